@@ -7,7 +7,7 @@ use wzvi::increments::{Identity, Interval, NoiseError};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::retry::Serves;
-use wzvi::simulate::{Simulation, Unobserved};
+use wzvi::simulate::{Simulation, Summation, Unobserved};
 
 use super::systems::{DoublePendulum, Folding, KEPLER, PENDULUM, Wells, bits};
 use fixtures::files::{contents, refused};
@@ -16,12 +16,13 @@ use fixtures::folder;
 const STEPS: u64 = 12;
 
 /// Stops after every number of steps up to [`STEPS`] and goes on, then in three parts; `run(steps, every)` is the run.
-fn resumes_from_everywhere<'a, H, E, N, R, const D: usize>(
+fn resumes_from_everywhere<'a, H, E, N, R, S, const D: usize>(
     name: &str,
-    run: impl Fn(u64, u64) -> Simulation<'a, H, E, N, Unobserved, R>,
+    run: impl Fn(u64, u64) -> Simulation<'a, H, E, N, Unobserved, R, S>,
 ) where
     H: Discretized<E, Vector = SVector<f64, D>> + 'a,
     N: Noise + Serves<R>,
+    S: Summation<H, E>,
 {
     let folder = folder!(name);
     // Each checkpoint waits for the disk: a stride that divides the steps, one that does not, and none.
@@ -48,6 +49,25 @@ fn newton_with_memory() {
 fn compensated_sums() {
     assert!(DoublePendulum.stepper::<Midpoint>(0.01).unwrap().is_compensated());
     resumes_from_everywhere("double", |steps, every| DoublePendulum.run(steps, every));
+}
+
+/// As those of a stepper, and of no run with compensated sums.
+#[test]
+fn plain_sums() {
+    resumes_from_everywhere("plain", |steps, every| DoublePendulum.run(steps, every).plain_sums());
+    let path = |steps| DoublePendulum.run(steps, 0).plain_sums().run().unwrap();
+    let mut stepper = DoublePendulum.stepper::<Midpoint>(0.01).unwrap().plain();
+    let mut state = *path(0).last();
+    for _ in 0..200 {
+        stepper.step(&mut state, &[]).unwrap();
+    }
+    assert_eq!(path(200).last(), &state);
+    assert_ne!(DoublePendulum.run(200, 0).run().unwrap().last(), &state);
+    // Nor does one go on as the other.
+    let folder = folder!("sums");
+    let to = || Checkpoint::to(folder.join("kept")).every_steps(7);
+    DoublePendulum.run(STEPS, 0).checkpoint(to()).run().unwrap();
+    assert!(DoublePendulum.run(STEPS + 1, 0).plain_sums().checkpoint(to()).run().is_err());
 }
 
 #[test]

@@ -227,6 +227,17 @@ pub(crate) fn copy<V: Vector>(into: &mut V, from: &V) {
     }
 }
 
+/// Whether all numbers are equal. No branch ends the loop, so that it is vectorised.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn are_equal<V: Vector>(a: &V, b: &V) -> bool {
+    let (a, b) = (a.components(), b.components());
+    let mut is_same = a.len() == b.len();
+    for (a, b) in a.iter().zip(b) {
+        is_same &= a == b;
+    }
+    is_same
+}
+
 /// Copies a state without allocating, unless its length changes.
 pub(crate) fn copy_state<V: Vector>(into: &mut State<V>, from: &State<V>) {
     into.t = from.t;

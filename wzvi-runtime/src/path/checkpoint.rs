@@ -196,7 +196,7 @@ impl Keeping {
 pub(crate) use identity::between;
 pub(crate) use identity::checksum;
 
-impl<H: Discretized<E>, E, N, O, R> Simulation<'_, H, E, N, O, R> {
+impl<H: Discretized<E>, E, N, O, R, S> Simulation<'_, H, E, N, O, R, S> {
     /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end:
     /// see [`crate::path::checkpoint`].
     pub fn checkpoint<C: Suits<Steps>>(self, checkpoint: Checkpoint<C>) -> Self {

@@ -11,6 +11,7 @@ pub use tangent::Tangent;
 
 use std::marker::PhantomData;
 
+use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::state::State;
 use crate::error::{ConfigError, wrong};
 use crate::ground::handle::Handle;
@@ -23,7 +24,7 @@ use crate::path::recording::Request;
 use crate::path::retry::Retry;
 use crate::path::series::Averaged;
 use crate::path::trajectory::Trajectory;
-use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::scheme::system::{CarryOf, Discretized, Hamiltonian};
 
 /// What an observer sees of a node besides the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,11 +104,36 @@ pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
 /// earlier one, and two methods that set the same (`until` and `steps`) are an error.
 #[derive(Clone, Debug)]
 #[must_use = "nothing happens before `run`"]
-pub struct Simulation<'a, H: Hamiltonian, E, N = NoNoise, O = Unobserved, R = Whole> {
+pub struct Simulation<'a, H: Hamiltonian, E, N = NoNoise, O = Unobserved, R = Whole, S = UsualSums> {
     setup: Setup<'a, H>,
     noise: Option<N>,
     observer: O,
-    types: PhantomData<fn() -> (E, R)>,
+    types: Types<E, R, S>,
+}
+
+/// The scheme, whether steps may be halved, and how increments are added.
+type Types<E, R, S> = PhantomData<fn() -> (E, R, S)>;
+
+/// How a run adds the increments of its state: [`UsualSums`], or [`PlainSums`].
+pub trait Summation<H: Discretized<E>, E> {
+    /// The rounding errors that a step leaves to the next one.
+    type Carry: Carry<f64>;
+}
+
+/// Compensated sums where they cost less than about 5 % of a step ([`Scheme::Carry`](crate::scheme::system::Scheme::Carry)).
+#[derive(Clone, Copy, Debug)]
+pub enum UsualSums {}
+
+impl<H: Discretized<E>, E> Summation<H, E> for UsualSums {
+    type Carry = CarryOf<H, E>;
+}
+
+/// Plain sums: [`Simulation::plain_sums`].
+#[derive(Clone, Copy, Debug)]
+pub enum PlainSums {}
+
+impl<H: Discretized<E>, E> Summation<H, E> for PlainSums {
+    type Carry = Plain;
 }
 
 impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
@@ -118,7 +144,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
     }
 }
 
-impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
+impl<'a, H: Hamiltonian, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
     options!(start, end, exact, record, observe, temperatures, section, watch, progress);
 
     /// Observes a function of the system, too.
@@ -140,7 +166,7 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// Noise belongs to the time at which it acts. A run that continues another,
     /// `.start(run.last().clone())`, goes on with the same seed; one that starts at `t = 0` again needs
     /// another seed, since the same one repeats the noise.
-    pub fn noise<M: Noise>(self, noise: M) -> Simulation<'a, H, E, M, O, R> {
+    pub fn noise<M: Noise>(self, noise: M) -> Simulation<'a, H, E, M, O, R, S> {
         Simulation { setup: self.setup, noise: Some(noise), observer: self.observer, types: PhantomData }
     }
 
@@ -148,9 +174,16 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     ///
     /// The noise must know its path between the nodes ([`Divisible`]), as all but `Increments` do. A run that
     /// restarts with shorter steps shows its observer all nodes again, from step 0. A run with checkpoints does not restart.
-    pub fn retry(mut self, retry: Retry) -> Simulation<'a, H, E, N, O, Halved> {
+    pub fn retry(mut self, retry: Retry) -> Simulation<'a, H, E, N, O, Halved, S> {
         self.setup.retry = retry;
         Simulation { setup: self.setup, noise: self.noise, observer: self.observer, types: PhantomData }
+    }
+
+    /// Adds increments to the state with plain sums, as [`Stepper::plain`](crate::path::step::Stepper::plain) does: the path then has the
+    /// bits of one of an ensemble with the same increments. Derivatives of its end are those of plain sums in any case.
+    pub fn plain_sums(self) -> Simulation<'a, H, E, N, O, R, PlainSums> {
+        let Self { setup, noise, observer, .. } = self;
+        Simulation { setup, noise, observer, types: PhantomData }
     }
 
     /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The default is all cores, from a size
@@ -170,14 +203,14 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// Calls `observer(state, node)` at each recorded node as the run reaches it, start and end included. With `record_every(0)` or
     /// [`Simulation::record_at`] alone it is called at each node. Use it to see increments and iterations, or to act during the run. States
     /// recorded between nodes are not shown.
-    pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F, R>
+    pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F, R, S>
     where
         F: FnMut(&State<H::Vector>, &Node<'_>),
     {
         self.observed_by(observer)
     }
 
-    pub(crate) fn observed_by<Q>(self, observer: Q) -> Simulation<'a, H, E, N, Q, R> {
+    pub(crate) fn observed_by<Q>(self, observer: Q) -> Simulation<'a, H, E, N, Q, R, S> {
         Simulation { setup: self.setup, noise: self.noise, observer, types: PhantomData }
     }
 
@@ -213,11 +246,12 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     }
 }
 
-impl<H, E, N, O, R> Simulation<'_, H, E, N, O, R>
+impl<H, E, N, O, R, S> Simulation<'_, H, E, N, O, R, S>
 where
     H: Discretized<E>,
     N: Noise,
     O: Observer<H::Vector>,
+    S: Summation<H, E>,
 {
     /// Runs the path.
     ///

@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::few::List;
 use crate::algebra::memory::{Iteration, Method, Request, StepMemory, Threads};
-use crate::algebra::state::{State, Vector, copy, copy_state};
+use crate::algebra::state::{State, Vector, are_equal, copy, copy_state};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::scheme::continuation::Hard;
 use crate::scheme::dense::DenseOutput;
@@ -451,7 +451,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]
     fn jumped(&self, state: &State<H::Vector>) -> bool {
-        Self::REMEMBERS && (state.q != self.reached[0] || state.p != self.reached[1])
+        Self::REMEMBERS && !(are_equal(&state.q, &self.reached[0]) && are_equal(&state.p, &self.reached[1]))
     }
 
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.

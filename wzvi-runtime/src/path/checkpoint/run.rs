@@ -4,6 +4,7 @@ use super::format::Kind;
 use super::identity;
 use super::keeper::{Described, Extent, Keeper};
 use super::{CheckpointError, Difference, Keeping};
+use crate::algebra::carry::Carry;
 use crate::algebra::state::State;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::increments::{Identity, Noise};
@@ -17,9 +18,9 @@ use crate::scheme::system::Discretized;
 impl Keeping {
     /// Goes on from the checkpoint if there is one, else writes the first one. The arguments are those of a run at its
     /// start, with the nodes to go to, a `retry` and sections to name; they become those of the run at the checkpoint.
-    pub(crate) fn open_path<H: Discretized<E>, E, N: Noise>(
+    pub(crate) fn open_path<H: Discretized<E>, E, N: Noise, C: Carry<f64>>(
         self,
-        path: &mut OnePath<'_, '_, H, E, N>,
+        path: &mut OnePath<'_, '_, H, E, N, C>,
         run: &mut Run<'_, '_, impl Observer<H::Vector>, H::Vector>,
         (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
     ) -> Result<Keeper, Error> {
@@ -43,9 +44,9 @@ impl Keeping {
 
 impl Keeper {
     /// Saves a path at `node`.
-    pub(crate) fn save_path<H: Discretized<E>, E, N: Noise>(
+    pub(crate) fn save_path<H: Discretized<E>, E, N: Noise, C: Carry<f64>>(
         &mut self,
-        path: &mut OnePath<'_, '_, H, E, N>,
+        path: &mut OnePath<'_, '_, H, E, N, C>,
         run: &mut Run<'_, '_, impl Observer<H::Vector>, H::Vector>,
         node: u64,
     ) -> Result<(), Error> {
@@ -54,8 +55,8 @@ impl Keeper {
 }
 
 /// What makes a path another than others.
-fn described<H: Discretized<E>, E, N: Noise>(
-    path: &OnePath<'_, '_, H, E, N>,
+fn described<H: Discretized<E>, E, N: Noise, C: Carry<f64>>(
+    path: &OnePath<'_, '_, H, E, N, C>,
     run: &Run<'_, '_, impl Observer<H::Vector>, H::Vector>,
     (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
 ) -> Result<Described, CheckpointError> {
@@ -70,8 +71,8 @@ fn described<H: Discretized<E>, E, N: Noise>(
 }
 
 /// All that steps change; the checksum of energies and forces that goes with it.
-fn pass<H: Discretized<E>, E>(
-    Subdivision { stepper, watch, .. }: &mut Subdivision<'_, H, E>,
+fn pass<H: Discretized<E>, E, C: Carry<f64>>(
+    Subdivision { stepper, watch, .. }: &mut Subdivision<'_, H, E, C>,
     state: &mut State<H::Vector>,
     run: &mut Run<'_, '_, impl Observer<H::Vector>, H::Vector>,
     tape: &mut Tape,

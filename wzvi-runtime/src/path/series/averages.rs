@@ -9,13 +9,13 @@ use crate::error::{FileError, UnknownName};
 use crate::ground::digits::estimate;
 use crate::increments::Divisible;
 use crate::path::Error;
-use crate::path::simulate::{Observer, Simulation};
+use crate::path::simulate::{Observer, Simulation, Summation, UsualSums};
 use crate::scheme::system::{Discretized, Exchange};
 
 /// Averages along one path: [`Simulation::time_averages`] begins it, [`TimeAveraging::run`] runs it.
 #[must_use = "nothing happens before `run`"]
-pub struct TimeAveraging<'a, H: Discretized<E>, E, N, O, R> {
-    simulation: Simulation<'a, H, E, N, O, R>,
+pub struct TimeAveraging<'a, H: Discretized<E>, E, N, O, R, S = UsualSums> {
+    simulation: Simulation<'a, H, E, N, O, R, S>,
     discarded: f64,
     targets: Targets,
     stop: Option<Box<dyn Fn() -> bool + 'a>>,
@@ -106,7 +106,7 @@ impl<V> fmt::Display for TimeAverages<V> {
     }
 }
 
-impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
+impl<'a, H: Discretized<E>, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
     /// Averages of the observables along the path, which is not kept: over all nodes, or every `record_every`-th.
     ///
     /// ```ignore
@@ -117,23 +117,24 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// ```
     ///
     /// With `checkpoint` a stopped run resumes from its file; its targets may differ.
-    pub fn time_averages(self) -> TimeAveraging<'a, H, E, N, O, R> {
+    pub fn time_averages(self) -> TimeAveraging<'a, H, E, N, O, R, S> {
         TimeAveraging { simulation: self, discarded: 0.0, targets: Vec::new(), stop: None }
     }
 }
 
-impl<H: Discretized<E>, E, N, O, R> fmt::Debug for TimeAveraging<'_, H, E, N, O, R> {
+impl<H: Discretized<E>, E, N, O, R, S> fmt::Debug for TimeAveraging<'_, H, E, N, O, R, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut all = f.debug_struct("TimeAveraging");
         all.field("discarded", &self.discarded).field("targets", &self.targets).finish_non_exhaustive()
     }
 }
 
-impl<'a, H, E, N, O, R> TimeAveraging<'a, H, E, N, O, R>
+impl<'a, H, E, N, O, R, S> TimeAveraging<'a, H, E, N, O, R, S>
 where
     H: Discretized<E>,
     N: Divisible<R>,
     O: Observer<H::Vector>,
+    S: Summation<H, E>,
 {
     /// Leaves out the nodes of the first `time` (time units), until the path has forgotten its start.
     pub fn discard(mut self, time: f64) -> Self {

@@ -10,7 +10,7 @@
 //! of the step backwards in one direction, for any number of degrees of freedom.
 
 use super::tangent::{Columns, is_held, ln_scaled, scaled};
-use super::{Simulation, Unobserved};
+use super::{Simulation, Summation, Unobserved};
 use crate::algebra::scalar::Dual;
 use crate::algebra::state::{State, Vector};
 use crate::error::{DerivativeError, StepError, StepFailure, wrong};
@@ -36,10 +36,11 @@ struct Taken<V> {
     dw: Vec<f64>,
 }
 
-impl<H, E, N> Simulation<'_, H, E, N, Unobserved, Whole>
+impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, Whole, S>
 where
     H: Discretized<E>,
     N: Noise,
+    S: Summation<H, E>,
 {
     /// Runs the path, and returns the derivative of a function `g` of its end by its start, from the `gradient` of `g` at the end, with the same increments.
     /// The cost is one more step in dual numbers of one derivative for each step, whatever the number of degrees of freedom; the run keeps all of its states

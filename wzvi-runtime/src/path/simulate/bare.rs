@@ -1,6 +1,7 @@
 //! A run of which only the steps are of interest.
 
-use super::{Simulation, Unobserved};
+use super::{Simulation, Summation, Unobserved};
+use crate::algebra::carry::Carry;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::error::wrong;
@@ -14,25 +15,26 @@ use crate::scheme::poles;
 use crate::scheme::system::Discretized;
 
 /// What takes the steps, and from where.
-pub(super) struct Bare<'a, H: Discretized<E>, E, N> {
+pub(super) struct Bare<'a, H: Discretized<E>, E, N, C> {
     pub(super) system: &'a H,
     pub(super) h: f64,
     pub(super) start: State<H::Vector>,
-    whole: Subdivision<'a, H, E>,
+    whole: Subdivision<'a, H, E, C>,
     grid: Grid,
     noise: Option<N>,
 }
 
-impl<'a, H, E, N> Simulation<'a, H, E, N, Unobserved, Whole>
+impl<'a, H, E, N, S> Simulation<'a, H, E, N, Unobserved, Whole, S>
 where
     H: Discretized<E>,
     N: Noise,
+    S: Summation<H, E>,
 {
     /// The steps of the run, for the method `what`.
     ///
     /// # Errors
     /// [`ConfigError::Setting`](crate::error::ConfigError::Setting) for settings that the method has no use for.
-    pub(super) fn bare(self, what: &str) -> Result<Bare<'a, H, E, N>, Error> {
+    pub(super) fn bare(self, what: &str) -> Result<Bare<'a, H, E, N, S::Carry>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
         let Setup {
             system,
@@ -74,14 +76,14 @@ where
     }
 }
 
-impl<'a, H: Discretized<E>, E, N: Noise> Bare<'a, H, E, N> {
+impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
     /// Takes all steps by `take`; returns the end.
     ///
     /// # Errors
     /// The first one of a step.
     pub(super) fn run(
         self,
-        mut take: impl FnMut(&mut Subdivision<'a, H, E>, Step<'_, H::Vector, N>) -> Result<(), Error>,
+        mut take: impl FnMut(&mut Subdivision<'a, H, E, C>, Step<'_, H::Vector, N>) -> Result<(), Error>,
     ) -> Result<State<H::Vector>, Error> {
         let Self { system, start: mut state, mut whole, grid, mut noise, .. } = self;
         let mut dw = vec![0.0; system.increments(state.q.components().len())];

@@ -1,6 +1,7 @@
 //! The run of a path: its steps, its nodes, and what becomes of them.
 
-use super::{Node, Observer, Partial, Simulation};
+use super::{Node, Observer, Partial, Simulation, Summation};
+use crate::algebra::carry::Carry;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::sum::Sums;
@@ -20,11 +21,12 @@ use crate::scheme::dense::DenseOutput;
 use crate::scheme::poles;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
-impl<H, E, N, O, R> Simulation<'_, H, E, N, O, R>
+impl<H, E, N, O, R, S> Simulation<'_, H, E, N, O, R, S>
 where
     H: Discretized<E>,
     N: Noise,
     O: Observer<H::Vector>,
+    S: Summation<H, E>,
 {
     /// [`Simulation::run_partial`] until the observer or `stop` ends the run. Both are asked about ten times a second.
     pub(crate) fn run_until(
@@ -39,7 +41,7 @@ where
         let Execution { threads, is_quiet, handle, stop: asked, .. } = setup.execution;
         let (names, functions) = setup.observables.checked("observables")?;
         let threads = Threads::asked(threads)?;
-        let mut stepper = Subdivision::<H, E>::new(system, h, retry, setup.is_watched, threads)?;
+        let mut stepper = Subdivision::<H, E, S::Carry>::new(system, h, retry, setup.is_watched, threads)?;
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
         let recording = setup.recorded.checked(1, &grid)?;
         let processes = system.increments(start.q.components().len());
@@ -111,8 +113,8 @@ where
 }
 
 /// Takes all steps from this one on, the last one of another size if it is shorter.
-fn take_all<'s, H, E, N, O>(
-    path: &mut OnePath<'_, 's, H, E, N>,
+fn take_all<'s, H, E, N, O, C>(
+    path: &mut OnePath<'_, 's, H, E, N, C>,
     first: u64,
     nodes: &mut Nodes<'_, '_, '_, O, H::Vector>,
 ) -> Result<(), Error>
@@ -120,6 +122,7 @@ where
     H: Discretized<E>,
     N: Noise,
     O: Observer<H::Vector>,
+    C: Carry<f64>,
 {
     let (grid, mut steps) = (nodes.grid, first..nodes.grid.whole());
     // One call for both: with two, what they call would not be inlined (4 to 8 % more instructions in steps of small systems).
@@ -198,10 +201,15 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
 
     /// Looks into the step that ended at a node.
     #[inline(never)]
-    fn look_inside<H, E, N>(&mut self, path: &mut OnePath<'_, '_, H, E, N>, node: u64) -> Result<(), Error>
+    fn look_inside<H, E, N, C>(
+        &mut self,
+        path: &mut OnePath<'_, '_, H, E, N, C>,
+        node: u64,
+    ) -> Result<(), Error>
     where
         H: Discretized<E, Vector = V>,
         N: Noise,
+        C: Carry<f64>,
     {
         let Self { run: Run { looks: Some(looks), account, .. }, dense: Some(dense), .. } = self else {
             return Ok(());
@@ -228,11 +236,12 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
     }
 }
 
-impl<H, E, N, O> Advance for (&mut OnePath<'_, '_, H, E, N>, &mut Nodes<'_, '_, '_, O, H::Vector>)
+impl<H, E, N, O, C> Advance for (&mut OnePath<'_, '_, H, E, N, C>, &mut Nodes<'_, '_, '_, O, H::Vector>)
 where
     H: Discretized<E>,
     N: Noise,
     O: Observer<H::Vector>,
+    C: Carry<f64>,
 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
@@ -282,4 +291,5 @@ where
 }
 
 /// The path of a run.
-pub(crate) type OnePath<'r, 's, H, E, N> = Single<'r, Subdivision<'s, H, E>, <H as Hamiltonian>::Vector, N>;
+pub(crate) type OnePath<'r, 's, H, E, N, C> =
+    Single<'r, Subdivision<'s, H, E, C>, <H as Hamiltonian>::Vector, N>;

@@ -9,7 +9,8 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Simulation, Unobserved};
+use super::{Simulation, Summation, Unobserved};
+use crate::algebra::carry::Carry;
 use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector, copy_state};
@@ -65,10 +66,11 @@ pub struct Tangent<V> {
     pub by_step_size: Option<DVector<f64>>,
 }
 
-impl<H, E, N> Simulation<'_, H, E, N, Unobserved, Whole>
+impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, Whole, S>
 where
     H: Discretized<E>,
     N: Noise,
+    S: Summation<H, E>,
 {
     /// Runs the path together with the derivative of its end by its start: dual numbers pass through every step, including the solution of its
     /// equations, with the same increments. Each step takes `⌈d/2⌉` more in dual numbers of four derivatives, for `d` degrees of freedom.
@@ -393,9 +395,9 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
     }
 
     /// Takes a step, and differentiates it.
-    fn take_step<N: Noise>(
+    fn take_step<N: Noise, C: Carry<f64>>(
         &mut self,
-        whole: &mut Subdivision<'_, H, E>,
+        whole: &mut Subdivision<'_, H, E, C>,
         step: Step<'_, H::Vector, N>,
     ) -> Result<(), Error> {
         let Step { state, interval, noise, dw } = step;
