@@ -122,8 +122,9 @@ fn every_noise_of_a_run_is_checked_unless_it_is_not_truncated() {
     assert!(refused(run().noise(Wiener::seed(1)).tangent()));
     run().noise(Wiener::seed(1).untruncated()).run().unwrap();
     run().noise(Increments::from(vec![[0.3]; 4])).run().unwrap();
-    let many = || system.ensemble::<Midpoint>(0.25).start(start).paths(16).seed(1).until(1.0);
-    assert!(refused(many().run()) && refused(many().noise(Wiener::seed(1)).run()));
+    let without_noise = || system.ensemble::<Midpoint>(0.25).start(start).paths(16).until(1.0);
+    let many = || without_noise().seed(1);
+    assert!(refused(many().run()) && refused(without_noise().noise(Wiener::seed(1)).run()));
     assert!(refused(many().truncation(Truncation::On(2.0)).run()));
     many().truncation(Truncation::Off).run().unwrap();
     let sweep = [0.1, 1.0].map(|s| Squeezed { a: 0.0, s });
