@@ -280,9 +280,13 @@ impl Moments {
     /// An upper estimate of the variance, where a sample may be `unseen` away from the mean although none was.
     pub(crate) fn variance_bound(&self, observable: usize, unseen: f64) -> f64 {
         let Some(summary) = self.of_each.get(observable) else { return f64::NAN };
-        let largest = summary.largest_deviation().max(unseen * summary.scale);
-        let bound = error_bound(self.count, self.scaled_variance(observable), largest);
-        self.unscaled(observable, observable, self.count as f64 * bound.powi(2))
+        // In the scale of the unseen deviation where it is the larger one: samples that are all zero have the scale of the smallest.
+        let scale = summary.scale.min(scale(unseen));
+        let factor = scale / summary.scale;
+        let largest = (summary.largest_deviation() * factor).max(unseen * scale);
+        let variance = self.scaled_variance(observable) * factor * factor;
+        let bound = self.count as f64 * error_bound(self.count, variance, largest).powi(2);
+        if (scale * scale).is_normal() { bound / (scale * scale) } else { bound / scale / scale }
     }
 
     /// As [`error_bound`]; NaN where the variance is, and where all samples are the same number.
@@ -405,6 +409,14 @@ mod tests {
                     assert_eq!(moments.covariance(0, 0), if exponent > 0 { f64::INFINITY } else { 0.0 });
                 }
             }
+        }
+        // Samples that are all zero, and a deviation of any size that none of them shows: 10 D² / n².
+        for unseen in [1e-200, 1.0, 1e200] {
+            let mut zeros = Moments::new(1, false);
+            (0..5).for_each(|_| zeros.push(&[0.0], &mut Vec::new()));
+            let bound = zeros.variance_bound(0, unseen);
+            let exact = 10.0 * unseen * unseen / 5.0;
+            assert!(bound == exact || (bound / exact - 1.0).abs() < 1e-14, "{unseen}: {bound} {exact}");
         }
         // The sum of the squares is infinite, the variance is not; sizes that grow and shrink; the whole range of numbers.
         let spread = |values: &[f64]| {
