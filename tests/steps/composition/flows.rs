@@ -243,7 +243,7 @@ fn plans_and_equations_say_that_it_is_explicit() {
     );
     // The equations of the composed step stand in the text, its order and modified energy do not.
     let (equations, _) = verlet.split_once("\nFacts\n").unwrap();
-    assert!(yoshida.contains(equations) && yoshida.contains("within O(h⁴)"), "{yoshida}");
+    assert!(yoshida.contains(equations) && yoshida.contains("within O(h^4)"), "{yoshida}");
     assert!(verlet.contains("modified energy") && !yoshida.contains("modified energy"), "{yoshida}");
     starts(
         <Pendulum as Discretized<Composed<Verlet, Aba864>>>::EQUATIONS,
