@@ -14,7 +14,7 @@
 //!
 //! If `H_k` is quadratic, `A_k` is constant, and the poles in `ΔW` are one over the real eigenvalues of `(I - h A_0)⁻¹ A_k`. For `H_k = s q p`,
 //! `m = 1/2` and no drift they are `±2/s`. Increments are truncated at `A_h √h`, so that a step size below which none is reached always exists.
-//! [`check`] refuses longer steps. It takes the drift at the start, and each noise by itself: increments of independent noises that are all near
+//! `check` refuses longer steps. It takes the drift at the start, and each noise by itself: increments of independent noises that are all near
 //! their bounds at once do not occur.
 
 use nalgebra::linalg::balancing::balance_parlett_reinsch;

@@ -65,14 +65,14 @@ impl<S: Scalar> Banded<S> {
     }
 
     /// Operations of [`Banded::factor`] without exchanges. Each pivot is found and inverted in the time of
-    /// [`PER_PIVOT`] others.
+    /// `PER_PIVOT` others.
     pub fn elimination_cost(&self) -> f64 {
         let [n, half] = [self.exchanges.len(), self.half].map(|number| number as f64);
         let per_row = if self.is_parted { half * half / 3.0 } else { half * (half + 1.0) };
         n * (per_row + PER_PIVOT)
     }
 
-    /// Operations of [`Banded::solve`], which wait for each other: [`IN_TURN`] as many in the time of others.
+    /// Operations of [`Banded::solve`], which wait for each other: `IN_TURN` as many in the time of others.
     pub fn solution_cost(&self) -> f64 {
         let [n, half] = [self.exchanges.len(), self.half].map(|number| number as f64);
         let per_row = if self.is_parted { half + 1.0 } else { 3.0 * half + 1.0 };
