@@ -1,4 +1,4 @@
-//! What the messages about attributes advise, and attributes that change no value.
+//! The remedies of messages about attributes compile; so do attributes that change no value.
 
 use wzvi::prelude::*;
 

@@ -1,4 +1,4 @@
-//! What the messages advise compiles, and means what they say.
+//! The remedies of messages compile, and mean what the messages say.
 
 use wzvi::prelude::*;
 use wzvi::state::Vector as _;

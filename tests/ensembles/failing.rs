@@ -64,7 +64,7 @@ large!(HeatedSites, [friction = 0.1, temperature = 1e-4,], [Splitting<(B, A, O, 
 
 const H: f64 = 0.2;
 const STEPS: u64 = 12;
-/// Its first step overflows, and has no solution.
+/// The first step overflows, and has no solution.
 const LOST: u64 = 3;
 /// Near the barrier, which a long step leaps over, and near the point from which nothing comes back.
 const HARD: [u64; 2] = [5, 6];

@@ -162,7 +162,7 @@ messages! {
         expected here, and these are {has}{advice}";
 }
 
-/// What to write in the place of an index that becomes negative: `%` keeps the sign of what it divides.
+/// The remedy for an index that becomes negative: `%` keeps the sign of its left operand.
 fn wrapped(index: &TokenStream) -> String {
     let written = syn::parse2(index.clone()).ok().and_then(|index| round(&index));
     match written {
@@ -238,7 +238,7 @@ fn real(expr: &Expr) -> String {
     }
 }
 
-/// The same before a method: the type of a literal has to be known.
+/// A literal before a method needs a suffix: its type has to be known.
 fn as_real_receiver(tokens: &TokenStream) -> String {
     let text = as_real(tokens);
     match text.parse::<f64>() {

@@ -32,18 +32,18 @@ pub(crate) enum Crossing {
     /// It is continuous; its first derivatives are not, or may not be.
     Kink,
     Jump(Witness),
-    /// It jumps unless the fields make this expression zero.
+    /// The function jumps unless the fields make this expression zero.
     JumpUnless(String),
     Undecided,
 }
 
 /// A part of a Hamiltonian that decides between pieces.
 struct Decision {
-    /// It decides where these two are equal.
+    /// The condition changes where these two are equal.
     compared: [Expr; 2],
-    /// What stands for it on either side.
+    /// The expression that replaces the function on either side of the edge.
     sides: [Expr; 2],
-    /// It decides only where this is negative.
+    /// The condition changes only where this is negative.
     negative: Option<Expr>,
     /// Whether the sides may differ on the boundary.
     may_jump: bool,
@@ -154,7 +154,7 @@ fn boundary(graph: &mut Graph, value: Expr, part: Expr, state: &[Symbol]) -> Opt
     if let Some(x) = negative {
         place.push_str(&format!(", {} < 0", graph.display(x)));
     }
-    // What `atan2` compares is there already; the difference may be new.
+    // The graph has the arguments of `atan2` already; their difference may be new.
     let surface = if negative.is_some() { left } else { surface };
     Some(Boundary { place, surface, crossing })
 }

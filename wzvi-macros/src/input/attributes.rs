@@ -16,7 +16,7 @@ const HARMLESS: &str = "allow warn deny forbid expect doc inline cold must_use d
 /// Attributes of tools, `#[rustfmt::skip]`.
 const TOOLS: &str = "rustfmt clippy diagnostic miri rust_analyzer rustdoc";
 
-/// What carries the attribute of this crate.
+/// The item that carries the attribute of this crate.
 #[derive(Clone, Copy)]
 pub(crate) enum Carrier {
     Hamiltonian,

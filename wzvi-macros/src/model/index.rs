@@ -406,7 +406,7 @@ impl Bounds<'_> {
         self.outlier_at(0, index, length, &mut Vec::new(), &Cell::new(PROOF_STEPS))
     }
 
-    /// The same with the first loops at `turns`.
+    /// [`Bounds::outlier`] with the first loops at `turns`.
     fn outlier_at(
         &self,
         depth: usize,
@@ -435,7 +435,7 @@ impl Bounds<'_> {
         if end.subtract(&start)?.as_integer().is_some_and(|turns| turns <= 0) {
             return None;
         }
-        // Which turn it is matters only to what reads it.
+        // Only bounds and indices that read the variable need its last turn.
         let mut readers = self.loops[depth..].iter().flat_map(|inner| [&inner.start, &inner.end]);
         let reads = |index: &Index| index.loops().contains(&known.variable);
         let last = (reads(index) || readers.any(reads)).then(|| end.shifted(-1)).flatten();
@@ -451,9 +451,9 @@ impl Bounds<'_> {
 /// An index that leaves its list.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Outlier {
-    /// It has this negative value.
+    /// The index has this negative value.
     Negative(i128),
-    /// It exceeds the length by this much.
+    /// The index exceeds the length by this much.
     Beyond(i128),
 }
 

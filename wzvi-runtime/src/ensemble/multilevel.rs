@@ -80,7 +80,7 @@ pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
 #[derive(Clone)]
 struct Levels {
     target: Choice<f64>,
-    /// That of the scheme if the user says nothing.
+    /// The weak order that the user sets; `None` means that of the scheme.
     weak_order: Option<f64>,
     finest: u32,
 }

@@ -5,7 +5,7 @@ use std::fmt;
 /// Levels of nested lists whose indices an error shows.
 const LEVELS: usize = 3;
 
-/// What to do about an index that becomes negative.
+/// The remedy for an index that becomes negative.
 const ROUND: &str =
     "change the integers of the system, or write `(i + n - 1) % n` where an index wraps around";
 

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use crate::error::{ConfigError, wrong};
 
-/// What one of several methods sets: `until` or `steps`, `seed` or `noise`.
+/// A setting that one of several methods makes: `until` or `steps`, `seed` or `noise`.
 #[derive(Clone, Debug)]
 pub(crate) struct Choice<T> {
     value: Option<T>,

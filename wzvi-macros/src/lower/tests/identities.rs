@@ -1,4 +1,4 @@
-//! What is proven of closures, whatever the spelling.
+//! Facts that are proven of closures, whatever the spelling.
 
 use super::drift;
 use crate::compile::expand;
