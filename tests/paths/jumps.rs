@@ -179,11 +179,11 @@ fn staircases_and_turns_are_not_refused() {
     // Below, at and above the change that unseen jumps may make: 1/640 of `p · dq/dt`.
     for c in [1e-5, 1e-4, 1e-3, 0.05, 0.3] {
         let system = Turning { c };
-        assert_eq!(watch::<Midpoint, _>(&system), EnergyWatch::BetweenJumps);
+        assert_eq!(watch::<Midpoint, _>(&system), EnergyWatch::Discontinuous);
         assert_eq!(outcome!(&system, Verlet, 0.1, start, 5000), None, "{c}");
         assert_eq!(outcome!(&system, Midpoint, 0.05, start, 5000), None, "{c}");
     }
-    assert_eq!(watch::<Verlet, _>(&Staircase), EnergyWatch::BetweenJumps);
+    assert_eq!(watch::<Verlet, _>(&Staircase), EnergyWatch::Discontinuous);
     assert_eq!(outcome!(&Staircase, Verlet, 0.1, State::new([0.0], [1.0]), 5000), None);
     assert_eq!(outcome!(&Staircase, Midpoint, 0.7, State::new([0.0], [1.0]), 5000), None);
 }
@@ -199,8 +199,8 @@ fn steps_and_boxes_are_not_refused() {
         assert_eq!(composed, None, "{left} {right}");
     }
     let start = State::new([1.0, 0.5], [0.0, 0.3]);
-    assert_eq!(watch::<Verlet, _>(&Refracting { a: 0.5 }), EnergyWatch::BetweenJumps);
+    assert_eq!(watch::<Verlet, _>(&Refracting { a: 0.5 }), EnergyWatch::Discontinuous);
     assert_eq!(outcome!(&Refracting { a: 0.5 }, Verlet, 0.02, start, 20_000), None);
-    assert_eq!(watch::<Verlet, _>(&Disc), EnergyWatch::BetweenJumps);
+    assert_eq!(watch::<Verlet, _>(&Disc), EnergyWatch::Discontinuous);
     assert_eq!(outcome!(&Disc, Verlet, 0.02, State::new([0.0, 0.1], [1.0, 0.3]), 20_000), None);
 }

@@ -61,7 +61,7 @@ pub(crate) const AGREEMENT: f64 = HARMFUL / TAIL as f64;
 const fn energy_watch<H: Discretized<E>, E>() -> EnergyWatch {
     match H::PLAN.energy_watch() {
         // Not every jump between two tests is seen on the chord between them.
-        EnergyWatch::BetweenJumps => EnergyWatch::Never,
+        EnergyWatch::Discontinuous => EnergyWatch::Never,
         watch if H::PROPERTIES.is_variational => watch,
         _ => EnergyWatch::Never,
     }

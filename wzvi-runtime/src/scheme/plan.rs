@@ -54,8 +54,8 @@ pub enum EnergyWatch {
     /// Nothing shows that `H_0` changes or jumps, and no proof excludes it. The values are compared with that at the start, and with
     /// that behind a jump where the run finds one.
     Undecided,
-    /// Not at all: the text of `H_0` shows a jump, and not every crossing between two tests is seen.
-    BetweenJumps,
+    /// Not at all: the text of `H_0` shows a jump, and a run cannot see every crossing of it.
+    Discontinuous,
     /// Not at all: noise, forces, friction or explicit time change `H_0`.
     Never,
 }
@@ -230,7 +230,7 @@ impl Plan {
         match (self.noise, self.conserves_energy) {
             (NoiseClass::None, Knowledge::Proven) => EnergyWatch::FromStart,
             (NoiseClass::None, Knowledge::Unknown) => EnergyWatch::Undecided,
-            (NoiseClass::None, Knowledge::Refuted) if self.energy_jumps => EnergyWatch::BetweenJumps,
+            (NoiseClass::None, Knowledge::Refuted) if self.energy_jumps => EnergyWatch::Discontinuous,
             _ => EnergyWatch::Never,
         }
     }
