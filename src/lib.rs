@@ -184,7 +184,7 @@ pub use wzvi_runtime::nalgebra;
 #[cfg(feature = "noise")]
 pub use wzvi_runtime::noise;
 pub use wzvi_runtime::path::Error;
-pub use wzvi_runtime::path::{checkpoint, retry, section, series, simulate, step, trajectory};
+pub use wzvi_runtime::path::{chaos, checkpoint, retry, section, series, simulate, step, trajectory};
 #[cfg(feature = "svg")]
 pub use wzvi_runtime::plot;
 #[cfg(feature = "report")]

@@ -4,6 +4,7 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod between;
+mod chaos;
 mod checkpoint;
 mod high_order;
 mod jumps;

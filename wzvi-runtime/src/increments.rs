@@ -83,6 +83,12 @@ pub trait Noise {
         f64::INFINITY
     }
 
+    /// Goes to another path, so many further on among those of an ensemble; false for a source that has one path only.
+    #[doc(hidden)]
+    fn skip_paths(&mut self, _paths: u64) -> bool {
+        false
+    }
+
     /// The identity of this source, after [`Noise::prepare`]. A source that returns one guarantees that the increments of a step depend on
     /// the identity and the [`Interval`] alone, to the last bit, whatever was drawn before. An interrupted run can then resume with another
     /// source of the same identity.

@@ -1,6 +1,7 @@
 //! One path: its steps, its recorded nodes, and how it resumes after a stop.
 
 pub(crate) mod between;
+pub mod chaos;
 pub mod checkpoint;
 pub(crate) mod choice;
 mod error;

@@ -339,6 +339,11 @@ impl Noise for StepNormals {
         self.acting().bound(h, h.abs().sqrt())
     }
 
+    fn skip_paths(&mut self, paths: u64) -> bool {
+        self.set_path(self.path.wrapping_add(paths));
+        true
+    }
+
     fn identity(&self) -> Option<Identity> {
         let identity = Identity::of("StepNormals").with("seed", self.seed).with("path", self.path);
         let identity =

@@ -252,6 +252,11 @@ impl Noise for Wiener {
         self.acting().bound(h, h.abs().sqrt())
     }
 
+    fn skip_paths(&mut self, paths: u64) -> bool {
+        self.set_path(self.path.wrapping_add(paths));
+        true
+    }
+
     fn identity(&self) -> Option<Identity> {
         let identity = Identity::of("Wiener").with("seed", self.seed).with("path", self.path);
         Some(identity.with("unit", self.unit).with("truncation", self.acting()))

@@ -262,6 +262,10 @@ impl Noise for WongZakai {
         self.early.acting().bound(h.abs(), self.deviation(h.abs()))
     }
 
+    fn skip_paths(&mut self, paths: u64) -> bool {
+        self.early.skip_paths(paths) && self.late.skip_paths(paths)
+    }
+
     fn identity(&self) -> Option<Identity> {
         let identity = self.early.identity()?.renamed("WongZakai");
         Some(identity.with("eps", self.eps).with("sampling", self.sampling))

@@ -102,6 +102,11 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         Ok(Self { system, h, retry, is_watched, threads, way, watch, stepper, part: Vec::new() })
     }
 
+    /// The same of another run.
+    pub(crate) fn anew(&self) -> Result<Self, ConfigError> {
+        Self::new(self.system, self.h, self.retry, self.is_watched, self.threads)
+    }
+
     /// Takes steps of another size.
     fn stepper(&self, h: f64) -> Result<Stepper<'a, H, E, C>, ConfigError> {
         stepper(self.system, h, self.threads)

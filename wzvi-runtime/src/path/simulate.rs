@@ -6,8 +6,10 @@ mod run;
 mod tangent;
 
 pub use adjoint::Adjoint;
+pub(crate) use bare::Bare;
 pub(crate) use run::{OnePath, Records, Run};
 pub use tangent::Tangent;
+pub(crate) use tangent::{BESIDE, Columns};
 
 use std::marker::PhantomData;
 
@@ -237,6 +239,11 @@ impl<'a, H: Hamiltonian, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
         let start = self.setup.span.start.value().map_or(f64::NAN, |start| start.t);
         let (h, stride) = (self.setup.h, every.unwrap_or(1).max(1));
         Ok((self, Averaged { names, functions, start, h, stride }))
+    }
+
+    /// The stride of `record_every`, which is then no request for a path.
+    pub(crate) fn take_stride(&mut self) -> Option<u64> {
+        self.setup.recorded.every.take()
     }
 
     /// Continues from a checkpoint, and saves to it.

@@ -113,6 +113,14 @@ impl Grid {
         }
     }
 
+    /// Steps of size `h` from the start to a node: a last one that is shorter is a part of one.
+    pub(crate) fn steps_to(&self, node: u64) -> f64 {
+        match self.shorter {
+            Some(shorter) if node == self.steps => (node - 1) as f64 + shorter / self.h,
+            _ => node as f64,
+        }
+    }
+
     /// The steps of size `h`.
     pub(crate) fn whole(&self) -> u64 {
         self.steps - u64::from(self.shorter.is_some())

@@ -15,12 +15,12 @@ use crate::scheme::poles;
 use crate::scheme::system::Discretized;
 
 /// What takes the steps, and from where.
-pub(super) struct Bare<'a, H: Discretized<E>, E, N, C> {
-    pub(super) system: &'a H,
-    pub(super) h: f64,
-    pub(super) start: State<H::Vector>,
+pub(crate) struct Bare<'a, H: Discretized<E>, E, N, C> {
+    pub(crate) system: &'a H,
+    pub(crate) h: f64,
+    pub(crate) start: State<H::Vector>,
+    pub(crate) grid: Grid,
     whole: Subdivision<'a, H, E, C>,
-    grid: Grid,
     noise: Option<N>,
 }
 
@@ -34,7 +34,7 @@ where
     ///
     /// # Errors
     /// [`ConfigError::Setting`](crate::error::ConfigError::Setting) for settings that the method has no use for.
-    pub(super) fn bare(self, what: &str) -> Result<Bare<'a, H, E, N, S::Carry>, Error> {
+    pub(crate) fn bare(self, what: &str) -> Result<Bare<'a, H, E, N, S::Carry>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
         let Setup {
             system,
@@ -82,23 +82,58 @@ impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
     /// # Errors
     /// The first one of a step.
     pub(super) fn run(
-        self,
+        mut self,
+        take: impl FnMut(&mut Subdivision<'a, H, E, C>, Step<'_, H::Vector, N>) -> Result<(), Error>,
+    ) -> Result<State<H::Vector>, Error> {
+        let start = self.start.clone();
+        self.run_from(start, take)
+    }
+
+    /// The same from another state, at the time of the start.
+    ///
+    /// # Errors
+    /// The first one of a step.
+    pub(crate) fn run_from(
+        &mut self,
+        mut state: State<H::Vector>,
         mut take: impl FnMut(&mut Subdivision<'a, H, E, C>, Step<'_, H::Vector, N>) -> Result<(), Error>,
     ) -> Result<State<H::Vector>, Error> {
-        let Self { system, start: mut state, mut whole, grid, mut noise, .. } = self;
+        let Self { system, whole, grid, noise, .. } = self;
         let mut dw = vec![0.0; system.increments(state.q.components().len())];
-        let mut path = Single {
-            stepper: &mut whole,
-            state: &mut state,
-            noise: &mut noise,
-            dw: &mut dw,
-            first: grid.first(),
-        };
+        let mut path =
+            Single { stepper: &mut *whole, state: &mut state, noise, dw: &mut dw, first: grid.first() };
         for step in 0..grid.steps {
             let (whole, step) = path.step(step);
             take(whole, step)?;
         }
-        whole.arrive(&state, &grid)?;
+        whole.arrive(&state, grid)?;
         Ok(state)
+    }
+
+    /// Prepares one more run: its steps know nothing of those before.
+    ///
+    /// # Errors
+    /// Those of the first run.
+    pub(crate) fn begin_again(&mut self) -> Result<(), Error> {
+        self.whole = self.whole.anew()?;
+        Ok(())
+    }
+
+    /// Whether increments drive the steps.
+    pub(crate) fn is_driven(&self) -> bool {
+        self.noise.is_some()
+    }
+
+    /// Goes to another path of the noise, so many further on; false where it has one path only.
+    ///
+    /// # Errors
+    /// Those of a noise that cannot serve the run.
+    pub(crate) fn skip_paths(&mut self, paths: u64) -> Result<bool, Error> {
+        if !self.noise.as_mut().is_some_and(|noise| noise.skip_paths(paths)) {
+            return Ok(false);
+        }
+        let processes = self.system.increments(self.start.q.components().len());
+        self.noise = self.grid.prepared(self.noise.take(), &H::PLAN, processes)?;
+        Ok(true)
     }
 }

@@ -25,7 +25,7 @@ use crate::scheme::system::{
 };
 
 /// Derivatives that are taken beside each other.
-const BESIDE: usize = 4;
+pub(crate) const BESIDE: usize = 4;
 type Number = Dual<BESIDE>;
 
 /// The exponent of two from which a column is scaled. One step, whose matrix is far below `2^500`, does not leave the range of numbers.
@@ -161,13 +161,13 @@ struct Varied<'a, H: Discretized<E>, E> {
 }
 
 /// `N` columns of a matrix of derivatives, with constants `K` that may have derivatives themselves.
-pub(super) struct Columns<H: Discretized<E>, E, K: Constant, const N: usize> {
+pub(crate) struct Columns<H: Discretized<E>, E, K: Constant, const N: usize> {
     prepared: PreparedOf<H, E, K>,
     h: K,
-    pub(super) q: Vec<Dual<N>>,
-    pub(super) p: Vec<Dual<N>>,
+    pub(crate) q: Vec<Dual<N>>,
+    pub(crate) p: Vec<Dual<N>>,
     /// The derivatives of each column are `2^exponent` times those of the numbers.
-    pub(super) exponents: [i64; N],
+    pub(crate) exponents: [i64; N],
     memory: MemoryOf<H, E, Dual<N>>,
 }
 
@@ -176,7 +176,7 @@ where
     Dual<N>: Over<K>,
 {
     /// Of steps of size `h`, from these derivatives of the state.
-    pub(super) fn new(
+    pub(crate) fn new(
         system: &H,
         lift: Lift<'_, K>,
         h: K,
@@ -187,7 +187,7 @@ where
     }
 
     /// The largest derivative of a column.
-    pub(super) fn size(&self, column: usize) -> f64 {
+    pub(crate) fn size(&self, column: usize) -> f64 {
         self.q.iter().chain(&self.p).map(|number| number.derivative[column].abs()).fold(0.0, f64::max)
     }
 
@@ -199,7 +199,7 @@ where
 
     /// Divides columns by powers of two, so that the next step cannot leave the range of numbers. Only where steps multiply them: not
     /// where constants have derivatives, which steps add.
-    pub(super) fn rescale(&mut self) {
+    pub(crate) fn rescale(&mut self) {
         for column in 0..N {
             let size = self.size(column);
             // Its exponent; that of zero is far below all others.
@@ -216,11 +216,20 @@ where
         }
     }
 
+    /// Replaces a column.
+    pub(crate) fn put(&mut self, column: usize, derivatives: &[f64]) {
+        for (number, derivative) in self.q.iter_mut().chain(&mut self.p).zip(derivatives) {
+            number.derivative[column] = *derivative;
+        }
+        self.exponents[column] = 0;
+        self.memory.tell(&Request::Forget);
+    }
+
     /// The derivatives of the step number `step` from one state to another.
     ///
     /// # Errors
     /// If it has no solution, or another one.
-    pub(super) fn vary(
+    pub(crate) fn vary(
         &mut self,
         system: &H,
         step: u64,

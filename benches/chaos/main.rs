@@ -1,0 +1,46 @@
+//! What exponents and indicators of chaos cost, in plain steps of the same run.
+//!
+//! `cargo bench -p wzvi-benches --bench chaos`
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a bench stops at the first error"
+)]
+#![allow(missing_docs, reason = "a bench")]
+
+use std::time::Instant;
+
+use fixtures::small::HenonHeiles;
+use wzvi::nalgebra::SVector;
+use wzvi::prelude::*;
+
+/// Seconds of the fastest of several runs.
+fn seconds(mut run: impl FnMut()) -> f64 {
+    let time = |_| {
+        let clock = Instant::now();
+        run();
+        clock.elapsed().as_secs_f64()
+    };
+    (0..5).map(time).fold(f64::INFINITY, f64::min)
+}
+
+fn paths<E>(name: &str, h: f64)
+where
+    HenonHeiles: Discretized<E, Vector = SVector<f64, 2>>,
+{
+    let (end, start) = (2000.0, State::new([0.0, -0.25], [0.42, 0.0]));
+    let run = || HenonHeiles.simulate::<E>(h).start(start).until(end).record_every(0);
+    let plain = seconds(|| drop(run().run().unwrap()));
+    let lyapunov = seconds(|| drop(run().copies(0).lyapunov().unwrap())) / plain;
+    let indicators = seconds(|| drop(run().indicators().unwrap())) / plain;
+    println!("| {name}, h = {h} | {:.0} ns | {lyapunov:.1} | {indicators:.1} |", plain / (end / h) * 1e9);
+}
+
+fn main() {
+    paths::<Verlet>("`Verlet`", 0.1);
+    paths::<Composed<Verlet, KahanLi8>>("`Composed<Verlet, KahanLi8>`", 0.25);
+    paths::<Midpoint>("`Midpoint`", 0.1);
+    paths::<Gauss<8>>("`Gauss<8>`", 0.5);
+}
