@@ -15,6 +15,7 @@ mod random {
 }
 mod scenes;
 mod seam;
+mod spellings;
 mod sweeps;
 mod tables;
 mod units;

@@ -2,7 +2,7 @@
 //! They are proven for sums of elements, at all sizes.
 
 use self::forces::{Forces, commuting_forces};
-use self::form::{Form, has_constant_curvature};
+use self::form::{Form, coupled_degrees, has_constant_curvature};
 use self::invariants::invariant;
 use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
@@ -20,7 +20,7 @@ pub(crate) mod kinetic;
 pub(crate) mod split;
 mod weak;
 
-pub(crate) use self::form::is_quadratic;
+pub(crate) use self::form::{has_constant_forces, is_quadratic};
 pub(crate) use self::invariants::{Failure, Invariant};
 
 /// How the noise enters; see `wzvi::plan::NoiseClass`.
@@ -76,6 +76,8 @@ pub(crate) struct Facts {
     pub(crate) invariants: Vec<Invariant>,
     /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
     pub(crate) has_constant_curvature: bool,
+    /// The most degrees of freedom of one point that depend on each other, if elements couple no points.
+    pub(crate) coupled_degrees: Option<usize>,
 }
 
 impl Hamiltonians {
@@ -215,6 +217,7 @@ impl Facts {
             numbers: hamiltonians.numbers,
             drift: hamiltonians.drift,
             space,
+            coupled_degrees: coupled_degrees(system),
             has_constant_curvature: has_constant_curvature(system),
         }
     }

@@ -21,7 +21,9 @@ pub(crate) mod sums;
 pub(crate) use self::equations::Equations;
 pub(crate) use self::facts::flows::{Flows, is_nystrom};
 pub(crate) use self::facts::kinetic::Kinetic;
-pub(crate) use self::facts::{Facts, Failure, Invariant, NoiseClass, is_quadratic, split, summed};
+pub(crate) use self::facts::{
+    Facts, Failure, Invariant, NoiseClass, has_constant_forces, is_quadratic, split, summed,
+};
 pub(crate) use self::gauss::StepSlopes;
 pub(crate) use self::lagrangian::{DiscreteLagrangian, StepSymbols};
 pub(crate) use self::parts::{PartElements, family_of, parts_of, scale_momenta};

@@ -7,16 +7,18 @@
 //!
 //! | structure | unknowns |
 //! |---|---|
-//! | `H = T(p) + V(q)`, every `l_m` of a term with `V` is 0 or 1 | none |
+//! | `H = T(p) + V(q)`, every `l_m` of a term whose `V'` reads `q` is 0 or 1 | none |
 //! | `H = T(p) + V(q)`, `T''` diagonal | `v`: `u` follows from it |
 //! | every `l_m` is 0 | `v`: it is read nowhere else |
 //! | otherwise | `u` and `v` |
 
 use std::rc::Rc;
 
-use crate::discretise::{Facts, Part, Quadrature, Scheme, Stage, discretise, is_cheaper_swept};
+use crate::discretise::{
+    Facts, Part, Quadrature, Scheme, Stage, discretise, has_constant_forces, is_cheaper_swept,
+};
 use crate::embedding::Embedding;
-use crate::model::{StraightLine, System, Term};
+use crate::model::{Element, StraightLine, System};
 use crate::symbolic::Rational;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -61,7 +63,7 @@ impl Step {
 }
 
 impl Strategy {
-    fn of(system: &System, facts: &Facts, embedding: &Embedding) -> Self {
+    fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
         let unknowns = unknowns(system, facts, embedding);
         let corrects = || Quadrature::new(facts, embedding).weights_of(Part::CounterTerm).next().is_some();
         let is_linear = unknowns != Unknowns::None && !corrects() && facts.has_constant_curvature;
@@ -69,19 +71,26 @@ impl Strategy {
     }
 }
 
-fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {
+fn unknowns(model: &mut System, facts: &Facts, embedding: &Embedding) -> Unknowns {
     let Quadrature { stages } = Quadrature::new(facts, embedding);
-    let reads_q = |term: &Term| term.elements.iter().any(|element| element.reads().q);
-    let has_forces = |(part, _): &(Part, Rational)| match part {
-        Part::Drift => reads_q(&model.drift),
-        Part::Noise => model.noise.iter().any(|noise| noise.is_force || reads_q(&noise.term)),
-        Part::CounterTerm | Part::Force => true,
+    let System { graph, drift, noise, force, .. } = model;
+    let mut varies =
+        |elements: &[Element]| !elements.iter().all(|element| has_constant_forces(graph, element));
+    let varying_drift = varies(&drift.elements);
+    let varying_noise = noise.iter().any(|noise| varies(&noise.term.elements));
+    let varying_force = force.as_ref().is_some_and(|force| varies(&force.elements));
+    let has_varying_forces = |(part, _): &(Part, Rational)| match part {
+        Part::Drift => varying_drift,
+        Part::Noise => varying_noise,
+        Part::Force => varying_force,
+        Part::CounterTerm => true,
     };
     // The counter-term reads coordinates and momenta.
     let is_simple = |(part, _): &(Part, Rational)| *part != Part::CounterTerm;
     let is_separable = facts.is_separable && stages.iter().all(|stage| stage.parts.iter().all(is_simple));
     let is_at_node = |stage: &Stage| stage.l.is_zero() || stage.l.is_one();
-    if is_separable && stages.iter().all(|stage| is_at_node(stage) || !stage.parts.iter().any(has_forces)) {
+    let is_assigned = |stage: &Stage| is_at_node(stage) || !stage.parts.iter().any(has_varying_forces);
+    if is_separable && stages.iter().all(is_assigned) {
         Unknowns::None
     } else if (is_separable && facts.has_diagonal_kinetic_energy)
         || stages.iter().all(|stage| stage.l.is_zero())

@@ -151,10 +151,39 @@ impl Writer<'_> {
                 all.0.values
             }
             Node::Product(factors) => self.multiply_out(expr, &factors, opened),
+            Node::Select { condition, then, otherwise } if self.reads(condition) == NOTHING => {
+                self.split_branches(condition, [then, otherwise], opened)
+            }
             _ => vec![(expr, Rational::ONE)],
         };
         opened.terms.insert(expr, all.clone());
         all
+    }
+
+    /// The terms of both branches under a condition that reads no state: one for each part of the state that terms read.
+    fn split_branches(
+        &mut self,
+        condition: Expr,
+        branches: [Expr; 2],
+        opened: &mut Opened,
+    ) -> Vec<(Expr, Rational)> {
+        let mut groups: Vec<(Reads, [Vec<(Expr, Rational)>; 2])> = Vec::new();
+        for (side, branch) in branches.into_iter().enumerate() {
+            for (term, coefficient) in self.split(branch, opened) {
+                let reads = self.reads(term);
+                let known = groups.iter().position(|(known, _)| *known == reads);
+                let group = known.unwrap_or(groups.len());
+                if known.is_none() {
+                    groups.push((reads, Default::default()));
+                }
+                groups[group].1[side].push((term, coefficient));
+            }
+        }
+        let selected = groups.into_iter().map(|(_, sides)| {
+            let [then, otherwise] = sides.map(|terms| self.graph.linear_combination(&terms));
+            (self.graph.select(condition, then, otherwise), Rational::ONE)
+        });
+        selected.collect()
     }
 
     fn multiply_out(
@@ -164,15 +193,15 @@ impl Writer<'_> {
         opened: &mut Opened,
     ) -> Vec<(Expr, Rational)> {
         let whole = vec![(expr, Rational::ONE)];
-        let reads_state = |part: Expr| self.reads(part) != Reads { q: false, p: false };
+        let reads_state = |part: Expr| self.reads(part) != NOTHING;
         let moving: Vec<usize> = (0..factors.len()).filter(|&i| reads_state(factors[i].0)).collect();
         let &[only] = moving.as_slice() else { return whole };
         let (base, exponent) = factors[only];
-        if !exponent.is_one() || !matches!(self.graph.node(base), Node::Sum { .. }) {
+        if !exponent.is_one() || !matches!(self.graph.node(base), Node::Sum { .. } | Node::Select { .. }) {
             return whole;
         }
         let terms = self.split(base, opened);
-        if terms.len() > opened.most {
+        if terms.len() == 1 || terms.len() > opened.most {
             return whole;
         }
         let others = factors.iter().enumerate().filter(|&(i, _)| i != only);
@@ -182,6 +211,9 @@ impl Writer<'_> {
         terms.into_iter().map(|(term, weight)| (self.graph.multiply(factor, term), weight)).collect()
     }
 }
+
+/// What a number reads of the state.
+const NOTHING: Reads = Reads { q: false, p: false };
 
 /// The state while an expression is split.
 struct Opened {

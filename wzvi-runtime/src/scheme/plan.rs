@@ -113,6 +113,8 @@ pub struct Facts {
     pub has_one_velocity: bool,
     /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments; `false` without windows.
     pub has_constant_curvature: bool,
+    /// The most degrees of freedom of one point that depend on each other, where elements of loops couple no points.
+    pub coupled_degrees: Option<usize>,
 }
 
 impl Facts {
@@ -136,6 +138,7 @@ impl Facts {
             gathers: Slopes { by_q: false, by_p: false },
             has_one_velocity: false,
             has_constant_curvature: false,
+            coupled_degrees: None,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::discretise::Sum;
 use crate::embedding::{Embedding, Points};
-use crate::model::{Element, System};
+use crate::model::{Element, Index, Slot, System};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// The form of a function, which decides whether schemes keep it exactly.
@@ -94,4 +94,42 @@ pub(super) fn has_constant_curvature(system: &mut System) -> bool {
     let mut of_drift = drift.elements.iter().chain(force.iter().flat_map(|force| &force.elements));
     of_drift.all(|e| curvature(e, &|graph, value, moving| !graph.depends_on(value, moving)))
         && of_noise.all(|e| curvature(e, &|graph, value, _| graph.is_zero(value)))
+}
+
+/// The most degrees of freedom that depend on each other through elements of one point; `None` if an element reads two points. Then the
+/// second derivatives of the step Hamiltonian have a block for each point.
+pub(super) fn coupled_degrees(system: &System) -> Option<usize> {
+    let components = usize::try_from(system.components).ok()?;
+    // The set of each component, by one of its members.
+    let mut sets: Vec<usize> = (0..components).collect();
+    for element in system.acting() {
+        let places = element.locals.iter().filter_map(|local| match &local.slot {
+            Slot::State(_, index) => Some(index.divided(system.components)),
+            Slot::Entry(..) | Slot::Number(_) => None,
+        });
+        let places: Vec<(Index, i128)> = places.collect::<Option<_>>()?;
+        let Some(((point, component), others)) = places.split_first() else { continue };
+        for (other, coupled) in others {
+            if other != point {
+                return None;
+            }
+            let [from, to] =
+                [*coupled, *component].map(|c| usize::try_from(c).ok().and_then(|c| sets.get(c).copied()));
+            let (from, to) = (from?, to?);
+            sets.iter_mut().filter(|set| **set == from).for_each(|set| *set = to);
+        }
+    }
+    (0..components).map(|set| sets.iter().filter(|other| **other == set).count()).max()
+}
+
+/// Whether the forces of an element do not depend on coordinates.
+pub(crate) fn has_constant_forces(graph: &mut Graph, element: &Element) -> bool {
+    let coordinates: Vec<Symbol> = element.coordinates().map(|(symbol, _)| symbol).collect();
+    if element.is_covector() {
+        return coordinates.is_empty();
+    }
+    coordinates.iter().all(|&x| {
+        let slope = graph.derivative(element.value, x);
+        !graph.depends_on(slope, &coordinates)
+    })
 }

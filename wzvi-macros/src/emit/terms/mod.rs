@@ -156,6 +156,8 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let has_windows = windows::are_there(model, &parts);
     // Read where a window takes a whole step at once.
     let is_constant = has_windows.is_some() && facts.has_constant_curvature;
+    // Steps in straight lines count the unknowns of their blocks.
+    let coupled = facts.coupled_degrees.filter(|_| model.line.is_none()).map(count);
     let others = [
         ("kind", hamiltonian::kind(model)),
         ("bath", parts::bath(model)),
@@ -166,6 +168,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
         ("gathers", windows::gathered(model, &parts)),
         ("has_one_velocity", is_true(windows::have_one_velocity(model, &parts))),
         ("has_constant_curvature", is_true(is_constant)),
+        ("coupled_degrees", coupled.map(|degrees| quote!(__wzvi::Some(#degrees)))),
     ];
     let known = crate::emit::plan::facts(model, facts, others);
     let (places, [exact, usual]) = (places::emit(model), windows::numbers(model, &parts));

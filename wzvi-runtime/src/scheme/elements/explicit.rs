@@ -2,10 +2,10 @@
 
 use super::memory::Lists;
 use super::passes::{add, are_finite};
-use super::step::{Step, nothing};
+use super::step::{Step, negate, nothing, subtract_multiple};
 use super::sums::Onto;
 use super::windows::takes_windows;
-use super::{Elements, Memory, MomentumUpdate, Quadrature, Slopes};
+use super::{Elements, Memory, MomentumUpdate, Quadrature, Slopes, Stage};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Effort;
@@ -92,16 +92,20 @@ fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>>(
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
-    /// `P` from the slopes in `D_1 L_d`, all at `q_i`, then `u`.
+    /// `P` from the slopes in `D_1 L_d`, all at `q_i` or equal at all `q`, then `u`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn assign(&self, lists: &mut Lists<'_, S>) {
         self.kick(lists);
         self.drift(lists);
     }
 
-    /// `P`
+    /// `P`, and `-v` as the slopes of the first stage.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick(&self, lists: &mut Lists<'_, S>) {
+        let is_at_node = |stage: &Stage| stage.start == 0.0 || stage.start == 1.0;
+        if !self.scheme.stages.iter().all(is_at_node) {
+            return self.kick_between_nodes(lists);
+        }
         let Lists { momentum, stages, by_p, columns, .. } = lists;
         let (_, by_q) = stages.at_mut(0);
         by_q.fill(nothing());
@@ -112,6 +116,26 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
         for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&*by_q)) {
             *momentum = p - force;
+        }
+    }
+
+    /// The same where stages have weights in `D_1 L_d`.
+    #[inline(never)]
+    fn kick_between_nodes(&self, lists: &mut Lists<'_, S>) {
+        let Lists { momentum, stages, u: v, by_p, columns, .. } = lists;
+        v.fill(nothing());
+        for (s, stage) in self.scheme.stages.iter().enumerate() {
+            let (_, by_q) = stages.at_mut(s);
+            by_q.fill(nothing());
+            if stage.start != 0.0 {
+                self.slopes(stage, [self.q, self.p], Slopes::BY_COORDINATES, by_q, by_p, columns);
+                subtract_multiple(v, by_q, stage.start);
+            }
+        }
+        let (_, forces) = stages.at_mut(0);
+        negate(forces, v);
+        for (momentum, (&p, &v)) in momentum.iter_mut().zip(self.p.iter().zip(&**v)) {
+            *momentum = p + v;
         }
     }
 

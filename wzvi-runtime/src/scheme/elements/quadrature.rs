@@ -7,7 +7,7 @@ use crate::scheme::poles::Poles;
 /// The unknowns of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknowns {
-    /// None: `v` and then `u` are assigned. No element reads both halves of the phase space, and those that read
+    /// None: `v` and then `u` are assigned. No element reads both halves of the phase space, and those whose forces depend on
     /// coordinates stand at the nodes.
     None,
     /// `v`, from which `u` follows.
@@ -145,10 +145,15 @@ impl Quadrature {
 
     /// The plan of steps in loops.
     pub(super) const fn plan(&self, facts: Facts, order: u32, consistent: bool) -> Plan {
-        let (solver, unknowns) = match (self.unknowns, self.is_linear) {
-            (Unknowns::None, _) => (Solver::Explicit, 0),
-            (unknowns, true) => (Solver::Linear, unknowns.count(facts.degrees)),
-            (unknowns, false) => (Solver::Newton, unknowns.count(facts.degrees)),
+        let coupled = match facts.coupled_degrees {
+            Some(degrees) => degrees,
+            None => facts.degrees,
+        };
+        let unknowns = self.unknowns.count(coupled);
+        let solver = match (self.unknowns, self.is_linear) {
+            (Unknowns::None, _) => Solver::Explicit,
+            (_, true) => Solver::Linear,
+            (_, false) => Solver::Newton,
         };
         let has_weak_order_two = facts.has_weak_order_two && self.has_centred_noise();
         Plan { has_weak_order_two, ..facts.plan(solver, unknowns, order, consistent) }

@@ -264,7 +264,7 @@ impl<H: Elements> Step<'_, H, f64> {
 // Loops over numbers alone: closures in a function would be compiled again for every system.
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn negate<S: Scalar>(dp: &mut [S], forces: &[S]) {
+pub(super) fn negate<S: Scalar>(dp: &mut [S], forces: &[S]) {
     dp.iter_mut().zip(forces).for_each(|(dp, &force)| *dp = -force);
 }
 
@@ -279,7 +279,7 @@ fn multiply<S: Scalar>(dp: &mut [S], factor: f64) {
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn subtract_multiple<S: Scalar>(dp: &mut [S], forces: &[S], weight: f64) {
+pub(super) fn subtract_multiple<S: Scalar>(dp: &mut [S], forces: &[S], weight: f64) {
     dp.iter_mut().zip(forces).for_each(|(dp, &force)| *dp = *dp - force * weight);
 }
 
