@@ -206,11 +206,14 @@ pub mod absent;
 #[doc(hidden)]
 pub mod checks;
 
+pub mod functions;
+
 /// Everything that a program needs: `use wzvi::prelude::*`.
 pub mod prelude {
     #[cfg(not(feature = "report"))]
     #[doc(hidden)]
     pub use crate::absent::WorkPrecision;
+    pub use crate::functions::SpecialFunctions;
     pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
     pub use wzvi_runtime::algebra::state::State;
     pub use wzvi_runtime::ground::handle::Handle;
@@ -245,11 +248,12 @@ pub mod __private {
     pub use core::result::Result::{self, Err, Ok};
 
     pub use crate::checks;
+    pub use crate::functions::{ErrorFunctions, SpecialFunctions};
     pub use wzvi_macros::__continue;
 
     pub use wzvi_runtime::algebra::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::algebra::scalar::{
-        Constant, Factored, Mask, Number, Of, Over, Reals, Rounded, Scalar, Truths, Varied,
+        Constant, Factored, Mask, Number, Of, Over, Reals, Rounded, Scalar, Special, Truths, Varied,
     };
     pub use wzvi_runtime::algebra::solve::*;
     pub use wzvi_runtime::algebra::state::{State, Vector};

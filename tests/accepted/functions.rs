@@ -123,3 +123,64 @@ fn compiles_and_runs() -> Result<(), wzvi::Error> {
     chain.stepper::<Midpoint>(0.1)?.step(&mut state, &[])?;
     Ok(())
 }
+
+mod special {
+    use wzvi::functions::{self, erf, erfc as complement};
+    use wzvi::prelude::*;
+
+    /// By name, by another name, by path and as methods.
+    #[hamiltonian(
+        drift = |q, p| 0.5 * p * p + a * erf(q) + complement(q) - functions::sinc(q) + wzvi::functions::j0(q) + q.j1(),
+        embedding = [Midpoint, Gauss<2>],
+    )]
+    struct Named {
+        a: f64,
+    }
+
+    #[hamiltonian(
+        drift = |q, p| 0.5 * p * p + a * q.erf() + q.erfc() - q.sinc() + q.j0() + functions::j1(q),
+        embedding = [Midpoint, Gauss<2>],
+    )]
+    struct Methods {
+        a: f64,
+    }
+
+    #[hamiltonian_fn]
+    fn shared(q: f64, a: f64) -> f64 {
+        a * q.erf() + q.erfc() - q.sinc() + functions::j0(q) + q.j1()
+    }
+
+    /// A function of the program's own, whose name is one of the library's.
+    #[hamiltonian_fn]
+    fn sinc(x: f64) -> f64 {
+        2.0 * x
+    }
+
+    #[hamiltonian(drift = |q, p| 0.5 * p * p + shared(q, a), embedding = [Midpoint, Gauss<2>])]
+    struct Shared {
+        a: f64,
+    }
+
+    #[hamiltonian(drift = |q, p| p * p + sinc(q), embedding = Midpoint)]
+    struct Own;
+
+    #[test]
+    fn functions_beyond_those_of_f64_have_one_meaning_in_each_spelling() -> Result<(), wzvi::Error> {
+        let (named, methods, through) = (Named { a: 0.7 }, Methods { a: 0.7 }, Shared { a: 0.7 });
+        for q in [0.0, 1e-9, -0.4, 2.5, 9.0] {
+            let state = State::new([q], [0.3]);
+            let energy = 0.045 + shared(q, 0.7);
+            for found in [named.energy(&state), methods.energy(&state), through.energy(&state)] {
+                assert!((found - energy).abs() <= 1e-15 * (1.0 + energy.abs()), "{q}: {found} {energy}");
+            }
+            assert_eq!(Own.energy(&state), 0.09 + 2.0 * q);
+        }
+        let mut states = [State::new([0.2], [0.3]); 3];
+        named.stepper::<Gauss<2>>(0.1)?.step(&mut states[0], &[])?;
+        methods.stepper::<Gauss<2>>(0.1)?.step(&mut states[1], &[])?;
+        through.stepper::<Gauss<2>>(0.1)?.step(&mut states[2], &[])?;
+        assert_eq!(states[0], states[1]);
+        assert_eq!(states[0], states[2]);
+        Ok(())
+    }
+}

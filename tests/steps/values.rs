@@ -3,6 +3,7 @@
 //! Energies may differ by what another order of additions and shared subexpressions cost (1e-14, some tens of
 //! roundings, relative to the value), and symbolic gradients from those of dual numbers by 1e-12 of their size.
 
+use wzvi::functions::{erf, erfc, j1, sinc};
 use wzvi::prelude::*;
 use wzvi::scalar::Dual;
 
@@ -85,6 +86,7 @@ same_as_rust! { a, n, k;
     arcs: |q, p, _| q.asin() + q.acos() * p.atan() + q.atan2(p) + p.atan2(-q);
     hyperbolic: |q, p, _| q.sinh() + p.cosh() * q.tanh();
     inverse_hyperbolic: |q, p, _| q.asinh() + p.acosh() + q.atanh() * p;
+    special: |q, p, _| erf(q) + erfc(p) * sinc(q * p) + wzvi::functions::j0(p) * j1(q) + q.sinc() * p.j1() - q.j0();
     hypotenuse: |q, p, _| q.hypot(p) + f64::hypot(a, q);
     sine_and_cosine: |q, p, _| { let (s, c) = q.sin_cos(); s * p + c * c + p.sin_cos().1.powi(2) };
     pieces: |q, p, _| (q - p).abs() + p.signum() + q.min(p) + q.max(0.4) + f64::max(q, a);

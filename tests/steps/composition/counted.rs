@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use wzvi::numbers::{Numbers, Tape};
-use wzvi::scalar::Scalar;
+use wzvi::scalar::{Scalar, Special};
 
 thread_local! {
     static SINES: Cell<u32> = const { Cell::new(0) };
@@ -114,6 +114,9 @@ impl Scalar for Counted {
     }
     fn select(mask: bool, then: Self, otherwise: Self) -> Self {
         if mask { then } else { otherwise }
+    }
+    fn special(self, function: Special) -> Self {
+        Self(self.0.special(function))
     }
     fn powi(self, exponent: i32) -> Self {
         Self(self.0.powi(exponent))

@@ -7,7 +7,7 @@ use quote::ToTokens;
 use syn::{Error, Item};
 
 use super::{at, closest, quoted, source, suggest};
-use crate::symbolic::Rational;
+use crate::symbolic::{Rational, Special};
 
 /// The keys that users know, with spaces between them.
 const KEYS: &str = "drift noise force noise_force friction damping temperature embedding invariant crate";
@@ -22,8 +22,13 @@ messages! {
     methods_of_trait(path) = "`#[hamiltonian_fn]` goes on an `impl` of the struct itself, not of a trait";
     generic_function(parameter) = "a function of Hamiltonians takes numbers, arrays and slices: it has no \
         generic parameters; the length of a slice is `x.len()`";
-    unmarked_function(name) = "`{name}` has no attribute `#[hamiltonian_fn]`, which a function needs to be called by \
-        a Hamiltonian";
+    unmarked_function(name) {
+        found = name.to_token_stream().to_string();
+        import = match Special::named(&found) {
+            Some(_) => format!("; `use wzvi::functions::{found}` imports a function of this name"),
+            None => String::new(),
+        };
+    } = "`{name}` has no attribute `#[hamiltonian_fn]`, which a function needs to be called by a Hamiltonian{import}";
     special_function(found) = "a function of Hamiltonians is a plain function of its arguments, or takes \
         `&self`";
     relative_constant(path) = "the body of this function is compiled where it is called, and this name may \

@@ -108,11 +108,11 @@ fn decision(graph: &mut Graph, part: Expr) -> Option<Decision> {
     Some(Decision { compared, sides, negative: None, may_jump })
 }
 
-/// Whether an expression is a number plus sines, cosines and hyperbolic tangents whose sizes add up to less.
+/// Whether an expression is a number plus functions between -1 and 1 whose sizes add up to less.
 fn exceeds_its_oscillations(graph: &Graph, expr: Expr) -> bool {
     let Node::Sum { terms, constant } = graph.node(expr) else { return false };
     let rest = terms.iter().try_fold(*constant, |rest, &(term, factor)| match graph.node(term) {
-        Node::Apply(Function::Sin | Function::Cos | Function::Tanh, _) => {
+        Node::Apply(function, _) if function.is_within_one() => {
             rest.add(if factor.is_negative() { factor } else { factor.negate() })
         }
         _ if !factor.is_negative() && graph.sign(term) >= Sign::Nonnegative => Some(rest),

@@ -352,6 +352,16 @@ impl<'p> Printer<'p> {
 
     fn call(&self, op: Op, function: Function, arguments: &[Op]) -> TokenStream {
         let method = Ident::new(function.method(), Span::call_site());
+        if let (Function::Special(special), &[argument]) = (function, arguments) {
+            let argument = if self.program.is_literal(argument) {
+                self.receiver(argument)
+            } else {
+                self.value(argument)
+            };
+            // The variant as Rust writes it: `Sinc(1)`.
+            let special: TokenStream = format!("{special:?}").parse().unwrap_or_default();
+            return quote!(__wzvi::Scalar::special(#argument, __wzvi::Special::#special));
+        }
         if arguments.len() == 1 {
             let argument = self.receiver(arguments[0]);
             return quote!(#argument.#method());

@@ -16,6 +16,10 @@ use crate::tokens;
 pub(crate) fn define(attribute: TokenStream, item: TokenStream) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
     let questions = read(attribute, &item, &mut diagnostics);
+    let item = match &questions {
+        Some(question) => with_error_functions(item, &question.crate_path),
+        None => item,
+    };
     match diagnostics.finish() {
         Ok(()) => {
             let carrier = questions.map(|question| match question.asked.is_empty() {
@@ -44,6 +48,39 @@ fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostic
     };
     let (kind, item, stand_ins) = (syn::parse_quote!(function), item.clone(), TokenStream::new());
     Some(Question { kind, crate_path, attribute, item, stand_ins, asked, answers: Vec::new() })
+}
+
+/// The item as `rustc` reads it: where it calls `erf` or `erfc` as methods, they are in scope. `f64` has unstable ones, about which
+/// `rustc` would warn.
+fn with_error_functions(item: TokenStream, crate_path: &Path) -> TokenStream {
+    if !["erf", "erfc"].iter().any(|name| tokens::mentions(&item, name)) {
+        return item;
+    }
+    let import = |block: &mut syn::Block| {
+        let import = syn::parse_quote! {
+            #[allow(unused_imports)]
+            use #crate_path::__private::ErrorFunctions as _;
+        };
+        block.stmts.insert(0, syn::Stmt::Item(import));
+    };
+    let lint = || syn::parse_quote!(#[allow(unstable_name_collisions)]);
+    match syn::parse2::<Item>(item.clone()) {
+        Ok(Item::Fn(mut function)) => {
+            import(&mut function.block);
+            function.attrs.push(lint());
+            function.into_token_stream()
+        }
+        Ok(Item::Impl(mut methods)) => {
+            methods.attrs.push(lint());
+            for method in &mut methods.items {
+                if let ImplItem::Fn(method) = method {
+                    import(&mut method.block);
+                }
+            }
+            methods.into_token_stream()
+        }
+        _ => item,
+    }
 }
 
 fn crate_argument(input: syn::parse::ParseStream<'_>) -> syn::Result<Path> {

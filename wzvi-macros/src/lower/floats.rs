@@ -6,7 +6,7 @@ use syn::Expr as Syntax;
 use super::interpreter::Interpreter;
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::symbolic::{Expr, Function, Graph, Rational};
+use crate::symbolic::{Expr, Function, Graph, NAMES, Rational, Special};
 
 /// The definition of a function in terms of others.
 type Composed = fn(&mut Graph, &[Expr]) -> Expr;
@@ -51,11 +51,13 @@ fn scaled(graph: &mut Graph, x: &[Expr], factor: f64) -> Expr {
 /// Number of arguments, the receiver included.
 fn arity(name: &str) -> Option<usize> {
     let elementary = Function::ALL.iter().find(|function| function.method() == name).map(|f| f.arity());
-    elementary.or_else(|| COMPOSED.iter().find(|(known, ..)| *known == name).map(|(_, arity, _)| *arity))
+    let known = elementary.or_else(|| Special::named(name).map(|_| 1));
+    known.or_else(|| COMPOSED.iter().find(|(known, ..)| *known == name).map(|(_, arity, _)| *arity))
 }
 
+/// Whether `f64` has it: not `erf`, which is imported by its name.
 pub(crate) fn is_real_method(name: &str) -> bool {
-    arity(name).is_some()
+    arity(name).is_some() && Special::named(name).is_none()
 }
 
 /// The method of `f64` with this name.
@@ -78,9 +80,10 @@ impl Interpreter<'_, '_> {
         at: &dyn ToTokens,
     ) -> Option<Value> {
         let Some(arity) = arity(name) else {
-            let names: Vec<&str> = Function::ALL.iter().map(|function| function.method()).collect();
-            let names: Vec<&str> =
-                names.into_iter().chain(COMPOSED[..8].iter().map(|&(name, ..)| name)).collect();
+            let elementary = Function::ALL.iter().map(|function| function.method());
+            let special = NAMES.iter().map(|&(name, ..)| name);
+            let composed = COMPOSED[..8].iter().map(|&(name, ..)| name);
+            let names: Vec<&str> = elementary.chain(special).chain(composed).collect();
             // The last token of a path names the function.
             let method = at.to_token_stream().into_iter().last();
             return self.refuse(expressions::unknown_method(method, name, "`f64`", &names));
@@ -102,6 +105,11 @@ impl Interpreter<'_, '_> {
         let reals = reals.into_iter().collect::<Option<Vec<Expr>>>()?;
         if let Some(&function) = Function::ALL.iter().find(|function| function.method() == name) {
             return Some(Value::Real(self.graph.apply(function, &reals)));
+        }
+        if let Some((power, function)) = Special::named(name) {
+            let value = self.graph.apply(Function::Special(function), &reals);
+            let power = self.graph.power(reals[0], Rational::integer(power));
+            return Some(Value::Real(self.graph.multiply(power, value)));
         }
         let composed = COMPOSED.iter().find(|(known, ..)| *known == name);
         Some(match composed.and_then(|(.., composed)| *composed) {

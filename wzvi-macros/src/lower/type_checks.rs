@@ -9,6 +9,7 @@ use syn::{ExprClosure, GenericParam, Generics, Member};
 use super::dereference::dereferenced;
 use super::scope::context;
 use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape};
+use crate::symbolic::NAMES;
 use crate::tokens::{self, words};
 
 /// Dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
@@ -52,6 +53,7 @@ pub(super) fn type_checks(
         let meant = embedding.value.path(root);
         quote!(#checks::is_same::<#meant>(#checks::PhantomData::<#written>);)
     });
+    let special = special_methods(declaration);
     // Lints would fire a second time at the user's tokens. `rustc` and clippy see the closures only here, but style
     // messages about generated code are useless.
     quote! {
@@ -61,6 +63,7 @@ pub(super) fn type_checks(
             impl #parameters #name #arguments #condition {
                 fn __closures(&self) {
                     use #path as #checks;
+                    #special
                     #(#schemes)*
                     #(#closures)*
                     #(#given)*
@@ -68,6 +71,15 @@ pub(super) fn type_checks(
             }
         };
     }
+}
+
+/// The traits of methods that `f64` does not have, where a closure may call one.
+fn special_methods(declaration: &Declaration) -> Option<TokenStream> {
+    let closures = declaration.in_order().map(|closure| &closure.tokens);
+    let mut written = closures.chain(given(declaration).map(|given| &given.tokens));
+    let calls_one = written.any(|tokens| NAMES.iter().any(|(name, ..)| tokens::mentions(tokens, name)));
+    let root = &declaration.crate_path;
+    calls_one.then(|| quote!(use #root::__private::{ErrorFunctions as _, SpecialFunctions as _};))
 }
 
 /// `checks`, with underscores if the user has that name.

@@ -436,6 +436,9 @@ fn exact_value(function: Function, x: Rational) -> Option<Rational> {
     match function {
         Function::Exp | Function::Exp2 | Function::Cos | Function::Cosh if x.is_zero() => Some(Rational::ONE),
         Function::ExpM1 | Function::Ln1p if x.is_zero() => Some(Rational::ZERO),
+        Function::Special(special) if x.is_zero() && special.parity() != Parity::Odd => {
+            Rational::new(1, special.inverse_at_zero()?.into())
+        }
         odd if x.is_zero() && odd.parity() == Parity::Odd => Some(Rational::ZERO),
         Function::Ln | Function::Log2 | Function::Log10 | Function::Acos | Function::Acosh if x.is_one() => {
             Some(Rational::ZERO)

@@ -361,6 +361,7 @@ impl Graph {
                 return self.divide(numerator, radius);
             }
             Function::Hypot => return self.divide(arguments[i], value),
+            Function::Special(special) => return special.slope(self, x),
             // The slope of `min` or `max` is a selection between slopes, made by the caller.
             Function::Signum | Function::Min | Function::Max => return self.integer(0),
         };

@@ -2,7 +2,7 @@
 //!
 //! Text is generated from the root down with a budget: parts that are too deep or too long are elided as `…`.
 
-use super::{Expr, Function, Graph, Junction, Node, Rational};
+use super::{Expr, Function, Graph, Junction, Node, Rational, Special};
 
 const DEPTH: usize = 32;
 const NODES: usize = 300;
@@ -63,6 +63,9 @@ impl Writer<'_> {
             Node::Symbol(symbol) => Text::new(graph.symbol_name(*symbol), Binding::Atom),
             Node::Sum { terms, constant } => self.sum(terms, *constant, depth),
             Node::Product(factors) => self.quotient(Rational::ONE, factors, depth),
+            Node::Apply(Function::Special(Special::Bessel(_)), _) => {
+                self.quotient(Rational::ONE, &[(expr, Rational::ONE)], depth)
+            }
             Node::Apply(function, arguments) => self.function(*function, arguments, depth),
             Node::Select { condition, then, otherwise } => {
                 let [condition, then, otherwise] =
@@ -140,7 +143,7 @@ impl Writer<'_> {
     fn quotient(&mut self, coefficient: Rational, factors: &[(Expr, Rational)], depth: usize) -> Text {
         let (mut above, mut below) = (Vec::new(), Vec::new());
         // Constants, variables, then factors in brackets: `a (p² + q²)`.
-        let mut ordered = factors.to_vec();
+        let mut ordered = self.with_bessel_functions(factors);
         ordered.sort_by_key(|&(base, _)| match self.graph.node(base) {
             Node::Number(_) | Node::Float(_) => 0,
             Node::Symbol(_) => 1,
@@ -170,9 +173,41 @@ impl Writer<'_> {
         Text::new(format!("{above}/{below}"), Binding::Product)
     }
 
+    /// The factors with `J_n(x)` for each `J_n(x)/xⁿ`, whose denominator is one more factor.
+    fn with_bessel_functions(&self, factors: &[(Expr, Rational)]) -> Vec<(Expr, Rational)> {
+        let mut opened = factors.to_vec();
+        for &(base, exponent) in factors {
+            let Node::Apply(Function::Special(Special::Bessel(order)), arguments) = self.graph.node(base)
+            else {
+                continue;
+            };
+            let order = i32::try_from(*order).unwrap_or(i32::MAX);
+            let Some(lost) = exponent.multiply(Rational::integer(-order)) else { continue };
+            let parts: &[(Expr, Rational)] = match self.graph.node(arguments[0]) {
+                Node::Product(parts) => parts,
+                _ => &[(arguments[0], Rational::ONE)],
+            };
+            for &(part, power) in parts {
+                let Some(lost) = power.multiply(lost) else { continue };
+                match opened.iter_mut().find(|(known, _)| *known == part) {
+                    Some((_, power)) => *power = power.add(lost).unwrap_or(*power),
+                    None => opened.push((part, lost)),
+                }
+            }
+        }
+        opened.retain(|(_, exponent)| !exponent.is_zero());
+        opened
+    }
+
     /// `base^exponent` for a positive exponent.
     fn power(&mut self, base: Expr, exponent: Rational, depth: usize) -> Text {
-        let base = self.write(base, depth);
+        let base = match self.graph.node(base) {
+            Node::Apply(Function::Special(Special::Bessel(order)), arguments) => {
+                let argument = self.write(arguments[0], depth);
+                Text::new(format!("j{order}({})", argument.text), Binding::Atom)
+            }
+            _ => self.write(base, depth),
+        };
         if exponent.is_one() {
             return base;
         }
@@ -199,6 +234,10 @@ impl Writer<'_> {
             Function::Powf if written.len() == 2 => {
                 let exponent = written.remove(1).within(Binding::Atom);
                 return Text::new(written.remove(0).within(Binding::Atom) + "^" + &exponent, Binding::Power);
+            }
+            Function::Special(special) if special.order() > 0 => {
+                let name = format!("{}_{}", special.name(), special.order());
+                return Text::new(format!("{name}({})", join(written)), Binding::Atom);
             }
             _ => {}
         }

@@ -203,6 +203,9 @@ pub(super) fn bound_function(function: Function, arguments: &[Bounded]) -> Bound
         Function::Atanh => {
             Bounded::rounded(value, error + 4.0 * EPSILON * (1.0 - first.value.abs()).recip(), LIBRARY)
         }
+        Function::Special(special) => {
+            Bounded::rounded(value, error + special.with_rounding(first.value).1, 0.0)
+        }
         _ => Bounded::rounded(value, error, LIBRARY),
     }
 }
@@ -238,6 +241,7 @@ fn propagate_unary(function: Function, value: f64, x: f64, error: f64) -> Option
         Function::Cosh => Some(high.sinh() * error),
         Function::Acosh => inside(((x - error - 1.0).max(0.0) * (x - error + 1.0)).sqrt()),
         Function::Atanh if high < 1.0 => inside((1.0 - high) * (1.0 + high)),
+        Function::Special(special) => Some(special.steepest(low, high) * error),
         Function::Signum if low > 0.0 => Some(0.0),
         _ => None,
     }

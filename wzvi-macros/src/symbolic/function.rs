@@ -1,4 +1,8 @@
-//! The elementary functions: names, emission and evaluation. Derivatives are in `differentiate`.
+//! The functions: names, emission and evaluation. Derivatives of the elementary ones are in `differentiate`.
+//!
+//! Functions that `f64` does not have are in `special`.
+
+use super::special::Special;
 
 /// The parity: `f(-x)` in terms of `f(x)`, if known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -17,26 +21,33 @@ macro_rules! functions {
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
         pub(crate) enum Function {
             $($name,)+
+            /// Not one of `f64`.
+            Special(Special),
         }
 
         impl Function {
+            /// The functions of `f64`.
             pub(crate) const ALL: &[Self] = &[$(Self::$name,)+];
 
+            /// The method of `f64` and of `Scalar`; of special functions the name.
             pub(crate) fn method(self) -> &'static str {
                 match self {
                     $(Self::$name => stringify!($method),)+
+                    Self::Special(special) => special.name(),
                 }
             }
 
             pub(crate) fn arity(self) -> usize {
                 match self {
                     $(Self::$name => [stringify!($x) $(, stringify!($y))?].len(),)+
+                    Self::Special(_) => 1,
                 }
             }
 
             pub(crate) fn parity(self) -> Parity {
                 match self {
                     $($(Self::$name => Parity::$parity,)?)+
+                    Self::Special(special) => special.parity(),
                     _ => Parity::None,
                 }
             }
@@ -45,6 +56,7 @@ macro_rules! functions {
             pub(crate) fn evaluate(self, arguments: &[f64]) -> f64 {
                 match (self, arguments) {
                     $((Self::$name, [$x $(, $y)?, ..]) => $x.$method($(*$y)?),)+
+                    (Self::Special(special), [x, ..]) => special.value(*x),
                     _ => f64::NAN,
                 }
             }
@@ -81,4 +93,14 @@ functions! {
     Hypot = hypot(x, y);
     Min = min(x, y);
     Max = max(x, y);
+}
+
+impl Function {
+    /// Whether all values are between -1 and 1.
+    pub(crate) fn is_within_one(self) -> bool {
+        match self {
+            Self::Special(special) => special.is_within_one(),
+            _ => matches!(self, Self::Sin | Self::Cos | Self::Tanh),
+        }
+    }
 }

@@ -15,6 +15,7 @@ pub(crate) mod rational;
 mod residue;
 mod sides;
 pub(crate) mod sign;
+mod special;
 pub(crate) mod stabilise;
 pub(crate) mod substitute;
 #[cfg(test)]
@@ -26,4 +27,5 @@ pub(crate) use function::Function;
 pub(crate) use graph::{Expr, Graph, Junction, Node, Relation, Symbol};
 pub(crate) use rational::Rational;
 pub(crate) use sides::{Edge, Sides};
+pub(crate) use special::{NAMES, Special};
 pub(crate) use zero::{Knowledge, Witness, ZeroTest};

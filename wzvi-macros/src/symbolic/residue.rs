@@ -12,7 +12,7 @@
 //! the quadratic extension by `i = √-1` (both primes are 3 modulo 4), so that hardly any point is lost.
 
 use super::rational::power;
-use super::{Expr, Function, Graph, Node, Rational};
+use super::{Expr, Function, Graph, Node, Rational, Special};
 
 const PRIMES: [u64; 2] = [(1 << 61) - 1, 2_718_281_828_459_045_287];
 const POINTS: usize = 4;
@@ -236,6 +236,8 @@ enum Atom {
     RootSign,
     Exponential,
     Angle,
+    ErrorFunction,
+    Bessel,
 }
 
 /// One random point: every atom has a value that only depends on the seed.
@@ -292,6 +294,9 @@ impl Point<'_> {
                 let [x, y] = [value(arguments[0])?, value(arguments[1])?].map(|x| field.multiply(x, x));
                 self.root(field.add(x, y))
             }
+            Node::Apply(Function::Special(special), arguments) => {
+                self.special(*special, arguments[0], value(arguments[0])?)
+            }
             Node::Apply(function, arguments) => self.function(expr, *function, arguments[0]),
             Node::Select { .. } => Some(self.atom(Atom::Node, expr.index() as u64)),
             Node::Compare(..) | Node::Not(_) | Node::Join(..) => Some(Residue::ZERO),
@@ -326,6 +331,42 @@ impl Point<'_> {
                 }
             }
             _ => Some(self.atom(Atom::Node, expr.index() as u64)),
+        }
+    }
+
+    /// A special function of `argument`, whose value is `x`: by `erf(-x) = -erf(x)`, `erfc = 1 - erf`, and by the recurrences
+    /// `f_n = (2ν f_(n-1) - f_(n-2))/x²` of the families, down to sine and cosine, `j0` and `j1`.
+    fn special(&self, special: Special, argument: Expr, x: Residue) -> Option<Residue> {
+        let field = self.field;
+        let opposite = field.negate(x);
+        let is_below = (x.re, x.im) <= (opposite.re, opposite.im);
+        let of_size = |size: Residue| mix(size.re, size.im);
+        let size = of_size(if is_below { x } else { opposite });
+        let square = field.multiply(x, x);
+        let climb = |mut pair: [Residue; 2], from: u32, to: u32, twice: &dyn Fn(u32) -> u32| {
+            for k in from..to {
+                let leading = field.multiply(field.integer(twice(k).into()), pair[1]);
+                pair = [pair[1], field.divide(field.subtract(leading, pair[0]), square)?];
+            }
+            Some(pair[1])
+        };
+        match special {
+            Special::Erf | Special::Erfc => {
+                let positive = self.atom(Atom::ErrorFunction, size);
+                let erf = if is_below { positive } else { field.negate(positive) };
+                Some(if special == Special::Erf { erf } else { field.subtract(Residue::ONE, erf) })
+            }
+            Special::Sinc(n) => {
+                let turn = self.rotation(argument)?;
+                let [sine, cosine] = [turn.im, turn.re].map(|re| Residue { re, im: 0 });
+                // `f_(-1)` is the cosine.
+                climb([cosine, field.divide(sine, x)?], 0, n, &|k| 2 * k + 1)
+            }
+            Special::Bessel(0) => Some(self.atom(Atom::Bessel, mix(size, 0))),
+            Special::Bessel(n) => {
+                let pair = [0, 1].map(|order| self.atom(Atom::Bessel, mix(size, order)));
+                climb(pair, 1, n, &|k| 2 * k)
+            }
         }
     }
 

@@ -30,6 +30,7 @@ impl Graph {
                 Function::Sqrt | Function::Abs | Function::Hypot | Function::Acosh | Function::Acos => {
                     Sign::Nonnegative
                 }
+                Function::Special(special) if special.is_positive() => Sign::Positive,
                 Function::Powf => self.sign(arguments[0]).min(Sign::Nonnegative),
                 Function::Max => self.sign(arguments[0]).max(self.sign(arguments[1])),
                 Function::Min => self.sign(arguments[0]).min(self.sign(arguments[1])),

@@ -12,6 +12,7 @@
 //! | `atan2 sinh cosh asinh acosh atanh` | 2 |
 //! | `tanh` | 2.2 |
 //! | `powi` | half a unit per multiplication |
+//! | `special` | [`Special::rounding`] |
 //!
 //! Measured at 1.5e5 arguments per range against arithmetic of 256 bits: `tests/runtime/lanes_accuracy.rs`. Infinities, NaN,
 //! zeros with their signs, subnormal and huge arguments give the results of `std`.
@@ -23,7 +24,7 @@ pub(crate) mod single;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 
-use crate::algebra::scalar::{Mask, Number, Scalar, larger};
+use crate::algebra::scalar::{Mask, Number, Scalar, Special, larger};
 use crate::algebra::solve::{Effort, Equations, lanes, together};
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
@@ -382,6 +383,16 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn atan2(self, other: Self) -> Self {
         Self(elementary::Atan2::of(self.0, other.0))
+    }
+
+    /// Lane by lane.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn special(self, function: Special) -> Self {
+        let mut values = [0.0; L];
+        for lane in 0..L {
+            values[lane] = function.value(self.0[lane]);
+        }
+        Self(values)
     }
 
     by_lane!(cbrt: Cbrt, exp: Exp, exp2: Exp2, exp_m1: ExpM1, ln: Ln, ln_1p: Ln1p, log2: Log2, log10: Log10);

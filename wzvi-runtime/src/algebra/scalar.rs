@@ -6,6 +6,7 @@ mod constant;
 mod dual;
 mod failed;
 mod rounded;
+mod special;
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -13,6 +14,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 pub use constant::{Constant, Constants, Factored, Of, Over, Parameters, Reals, Truths, Varied};
 pub use dual::Dual;
 pub use rounded::Rounded;
+pub use special::Special;
 
 use super::stages::Stages;
 use crate::algebra::lanes::Lanes;
@@ -254,6 +256,8 @@ pub trait Scalar:
     fn acosh(self) -> Self;
     /// Inverse hyperbolic tangent.
     fn atanh(self) -> Self;
+    /// A function that `f64` does not have: of numbers and of lanes the same bits.
+    fn special(self, function: Special) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
     /// The sign: 1 or -1.
@@ -391,6 +395,10 @@ impl Scalar for f64 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sin_cos(self) -> (Self, Self) {
         f64::sin_cos(self)
+    }
+    #[inline]
+    fn special(self, function: Special) -> Self {
+        function.value(self)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn powi(self, exponent: i32) -> Self {

@@ -14,3 +14,4 @@ mod law;
 mod noise_path;
 #[cfg(feature = "noise")]
 mod noise_wong_zakai;
+mod special;

@@ -1,8 +1,10 @@
 //! Facts that are proven of closures, whatever the spelling.
 
+use std::collections::HashMap;
+
 use super::drift;
 use crate::compile::expand;
-use crate::symbolic::ZeroTest;
+use crate::symbolic::{Node, ZeroTest};
 
 #[test]
 fn identities_of_roots_and_angles_are_known() {
@@ -16,13 +18,26 @@ fn identities_of_roots_and_angles_are_known() {
         "x.sin() - 3.0 * (x / 3.0).sin() + 4.0 * (x / 3.0).sin().powi(3)",
         "(a * x / 2.0).exp().powi(2) - (a * x / 3.0).exp().powi(3)",
         "(x / 2.0).tan() - x.sin() / (1.0 + x.cos())",
+        "x.erf() + x.erfc() - 1.0",
+        "(x - y).erf() + (y - x).erf()",
+        "(-x).erfc() + x.erfc() - 2.0",
+        "(x - y).sinc() - (y - x).sinc()",
+        "x.sinc() * x - x.sin()",
+        "(x * y).j0() - (-x * y).j0()",
+        "(x - y).j1() + (y - x).j1()",
         "((x + y) / 2.0).cos() * ((x - y) / 2.0).cos() - (x.cos() + y.cos()) / 2.0",
     ];
     for closure in zero {
         let model = drift(&format!("|[x, y], [u, v]| {closure} + 0.0 * (u + v)"));
         assert_eq!(model.graph.test_zero(model.drift), ZeroTest::Zero, "{closure}");
     }
-    for closure in ["x.hypot(y) - x", "(x / 2.0).sin() - x.sin() / 2.0", "(x * x).sqrt() - x"] {
+    for closure in [
+        "x.hypot(y) - x",
+        "(x / 2.0).sin() - x.sin() / 2.0",
+        "(x * x).sqrt() - x",
+        "x.erf() - x.erfc()",
+        "x.sinc() - x.j0()",
+    ] {
         let model = drift(&format!("|[x, y], [u, v]| {closure} + 0.0 * (u + v)"));
         assert!(matches!(model.graph.test_zero(model.drift), ZeroTest::Nonzero(_)), "{closure}");
     }
@@ -78,5 +93,45 @@ fn families_with_branches_are_consistent_at_all_sizes() {
             let at = text.find("compile_error").unwrap_or(text.len());
             assert_eq!(at, text.len(), "{state} {noise}: {}", &text[at..(at + 300).min(text.len())]);
         }
+    }
+}
+
+/// Bessel's equations of `j0` and `j1`, those of `sinc` and `erf`: derivatives do not leave the functions that proofs
+/// know. `u` stands for the first derivative and `v` for the second.
+#[test]
+fn special_functions_solve_their_equations() {
+    for (function, equation) in [
+        ("x.j0()", "x * x * v + x * u + x * x * x.j0()"),
+        ("x.j1()", "x * x * v + x * u + (x * x - 1.0) * x.j1()"),
+        ("x.sinc()", "x * v + 2.0 * u + x * x.sinc()"),
+        ("x.erf()", "v + 2.0 * x * u"),
+        ("x.erfc()", "v + 2.0 * x * u"),
+    ] {
+        // Both in one graph: the function where y is positive, else the equation.
+        let closure = format!("|[x, y], [u, v]| if y > 0.0 {{ {function} }} else {{ {equation} }}");
+        let mut model = drift(&closure);
+        let Node::Select { then, otherwise, .. } = *model.graph.node(model.drift) else {
+            panic!("{closure}")
+        };
+        let (x, u, v) = (model.phase.q[0], model.phase.p[0], model.phase.p[1]);
+        let slope = model.graph.derivative(then, x);
+        let curvature = model.graph.derivative(slope, x);
+        let by = HashMap::from([(u, slope), (v, curvature)]);
+        let defect = model.graph.substitute(&[otherwise], &by)[0];
+        assert_eq!(model.graph.test_zero(defect), ZeroTest::Zero, "{function}");
+    }
+}
+
+/// An angle jumps where its point crosses the negative axis, which a sum with a bounded function does not reach.
+#[test]
+fn bounded_functions_do_not_outweigh_larger_numbers() {
+    let item = "struct S { a: f64 }";
+    for (bounded, may_jump) in
+        [("q.sinc()", false), ("q.j0()", false), ("q.erf()", false), ("q.erfc()", true)]
+    {
+        let attribute =
+            format!("drift = |q, p| 0.5 * p * p + p.atan2(1.5 - {bounded}), embedding = Midpoint");
+        let text = expand(attribute.parse().unwrap(), item.parse().unwrap()).to_string();
+        assert_eq!(text.contains("< 0"), may_jump, "{bounded}: {text}");
     }
 }

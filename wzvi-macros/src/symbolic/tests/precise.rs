@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::real::{Real, exact, sufficient_precision};
-use crate::symbolic::{Expr, Function, Graph, Junction, Node, Rational, Relation, Symbol};
+use crate::symbolic::{Expr, Function, Graph, Junction, Node, Rational, Relation, Special, Symbol};
 
 impl Graph {
     /// The value of `root` to at least 90 bits; `None` if it does not exist or cannot be determined.
@@ -97,6 +97,47 @@ fn precise_function(function: Function, arguments: &[&Real]) -> Real {
         Function::Min if arguments[1] < x => arguments[1].clone(),
         Function::Max if arguments[1] > x => arguments[1].clone(),
         Function::Min | Function::Max => x.clone(),
+        Function::Special(special) => precise_special(special, x),
+    }
+}
+
+/// Power series at zero: `erf(x) = 2/√π Σ_k x (-x²)^k/(k! (2k + 1))`, and `f_n(x) = Σ_k f_n(0) Π_(j<=k) -x²/(2j (2j + 2ν))`
+/// (DLMF 7.6.1, 10.2.2).
+fn precise_special(special: Special, x: &Real) -> Real {
+    let one = Real::from(1.0);
+    let square = x * x;
+    let (n, half) = match special {
+        Special::Erf => {
+            // The terms `x (-x²)^k/k!`, each divided by `2k + 1`.
+            let series =
+                summed(x.clone(), |term, k| term * &square * -1.0 / Real::from(k), |k| 2.0 * k + 1.0);
+            return series * 2.0 / Real::from(-1.0).acos().sqrt();
+        }
+        Special::Erfc => return one - precise_special(Special::Erf, x),
+        Special::Sinc(n) => (f64::from(n), 1.0),
+        Special::Bessel(n) => (f64::from(n), 0.0),
+    };
+    let at_zero = (1..=n as u32).fold(one, |value, k| value / Real::from(2.0 * f64::from(k) + half));
+    let next = |term: Real, k: f64| term * &square * -1.0 / Real::from(2.0 * k * (2.0 * k + 2.0 * n + half));
+    summed(at_zero, next, |_| 1.0)
+}
+
+/// `Σ_k term_k / divisor(k)` until terms are below all digits.
+fn summed(first: Real, next: impl Fn(Real, f64) -> Real, divisor: impl Fn(f64) -> f64) -> Real {
+    let (mut sum, mut term, mut k) = (Real::from(0.0), first, 0.0);
+    loop {
+        let added = &term / &Real::from(divisor(k));
+        let is_below = match (added.exponent(), sum.exponent()) {
+            (None, _) => true,
+            (Some(added), Some(sum)) => added < sum - 6000,
+            _ => false,
+        };
+        if is_below {
+            return sum;
+        }
+        sum = sum + added;
+        k += 1.0;
+        term = next(term, k);
     }
 }
 

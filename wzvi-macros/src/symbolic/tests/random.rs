@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::symbolic::evaluate::{Bounded, bound_function, bound_node, bound_power, multiply};
 use crate::symbolic::residue::SplitMix;
 use crate::symbolic::zero::ZeroTest;
-use crate::symbolic::{Expr, Function, Graph, Junction, Node, Rational, Relation, Symbol};
+use crate::symbolic::{Expr, Function, Graph, Junction, NAMES, Node, Rational, Relation, Special, Symbol};
 
 const COEFFICIENTS: [(i128, i128); 8] = [(1, 1), (-1, 1), (2, 1), (1, 2), (-3, 4), (1, 3), (5, 7), (-2, 1)];
 const EXPONENTS: [(i128, i128); 8] = [(1, 1), (2, 1), (-1, 1), (3, 1), (-2, 1), (1, 2), (-1, 2), (1, 3)];
@@ -121,7 +121,8 @@ impl Generator {
                 self.product(&operands)
             }
             9..14 => {
-                let function = Function::ALL[self.below(Function::ALL.len())];
+                let known = all_functions();
+                let function = known[self.below(known.len())];
                 let a = if self.below(8) == 0 { a } else { self.friendly(function, a) };
                 if function.arity() == 1 { self.apply(function, &[a]) } else { self.apply(function, &[a, b]) }
             }
@@ -215,6 +216,19 @@ fn power(a: Bounded, exponent: (i128, i128)) -> Bounded {
     bound_power(a, rational(exponent))
 }
 
+/// The functions of `f64`, and some of each kind that it does not have.
+fn all_functions() -> Vec<Function> {
+    let special = NAMES.iter().map(|&(.., special)| special);
+    let special = special.chain([1, 2, 5].map(Special::Sinc)).chain([2, 6].map(Special::Bessel));
+    Function::ALL.iter().copied().chain(special.map(Function::Special)).collect()
+}
+
+/// `(below(x) - factor value)/x`
+fn lowered(below: Special, factor: f64, value: Bounded, x: Bounded) -> Bounded {
+    let below = bound_function(Function::Special(below), &[x]);
+    multiply(add(below, scale(value, -factor)), power(x, (-1, 1)))
+}
+
 /// Derivatives from tables, if possible in other forms than the compiler's.
 fn function_slope(function: Function, value: Bounded, x: &[Dual]) -> Bounded {
     let one = Bounded::exact(1.0);
@@ -267,6 +281,18 @@ fn function_slope(function: Function, value: Bounded, x: &[Dual]) -> Bounded {
         Function::Acosh => power(scale(complement, -1.0), (-1, 2)),
         Function::Atanh => power(complement, (-1, 1)),
         Function::Abs => apply(Function::Signum, u),
+        Function::Special(special) => match special {
+            Special::Erf | Special::Erfc => {
+                let sign = if special == Special::Erf { 2.0 } else { -2.0 };
+                let exponent = scale(power(u, (2, 1)), -1.0);
+                scale(apply(Function::Exp, exponent), sign / std::f64::consts::PI.sqrt())
+            }
+            // (f_(n-1) - 2ν f_n)/x, in place of -x f_(n+1).
+            Special::Sinc(0) => multiply(add(apply(Function::Cos, u), scale(value, -1.0)), power(u, (-1, 1))),
+            Special::Sinc(n) => lowered(Special::Sinc(n - 1), f64::from(2 * n + 1), value, u),
+            Special::Bessel(0) => scale(multiply(u, apply(Function::Special(Special::Bessel(1)), u)), -1.0),
+            Special::Bessel(n) => lowered(Special::Bessel(n - 1), f64::from(2 * n), value, u),
+        },
         _ => Bounded::exact(0.0),
     };
     multiply(slope, du)
@@ -338,7 +364,7 @@ fn derivatives_agree_with_dual_numbers() {
 
 #[test]
 fn every_function_has_its_derivative() {
-    for function in Function::ALL.iter().copied() {
+    for function in all_functions() {
         let mut generator = Generator::new(7);
         let [x, y] = [generator.reals[0], generator.reals[1]];
         let friendly = generator.friendly(function, x);

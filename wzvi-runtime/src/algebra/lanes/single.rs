@@ -7,7 +7,7 @@
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use super::elementary;
-use crate::algebra::scalar::{Mask, Number, Scalar};
+use crate::algebra::scalar::{Mask, Number, Scalar, Special};
 use crate::ground::numbers::{Numbers, Tape};
 
 /// A number; unless it `STANDS_ALONE`, NaN where a function meets a rare argument.
@@ -249,6 +249,11 @@ impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn max(self, other: Self) -> Self {
         Self::select(KnownTruth::of(true, self, other), Self(self.0.max(other.0)), self)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn special(self, function: Special) -> Self {
+        Self(function.value(self.0))
     }
 
     exact!(recip sqrt abs signum);

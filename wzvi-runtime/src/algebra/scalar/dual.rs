@@ -9,7 +9,7 @@
 use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Number, Scalar};
+use super::{Number, Scalar, Special};
 use crate::ground::numbers::{Numbers, Tape};
 
 /// Functions that numbers with additional parts compute from value and slope alone; `$with` takes these two.
@@ -346,6 +346,9 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     fn acosh(self) -> Self {
         let x = self.value;
         self.chain(x.acosh(), ((x - 1.0).sqrt() * (x + 1.0).sqrt()).recip())
+    }
+    fn special(self, function: Special) -> Self {
+        self.chain(self.value.special(function), function.slope(self.value))
     }
     fn abs(self) -> Self {
         self.chain(self.value.abs(), self.value.signum())

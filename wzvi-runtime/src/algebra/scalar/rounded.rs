@@ -9,7 +9,7 @@ use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::dual::{functions_by_slope, one_minus_square};
-use super::{Number, Scalar};
+use super::{Number, Scalar, Special};
 use crate::ground::numbers::{Numbers, Tape};
 
 /// Twice the largest rounding error of one operation: the bound also holds where the errors of many add up.
@@ -248,6 +248,12 @@ impl Scalar for Rounded {
     fn acosh(self) -> Self {
         let below = (self.value - 1.0).max(self.error).sqrt();
         self.function(self.value.acosh(), (below * (self.value + 1.0).sqrt()).recip())
+    }
+    fn special(self, function: Special) -> Self {
+        let size = self.value.abs();
+        let slope = function.steepest(size - self.error, size + self.error);
+        let error = spread(self.error, slope) + function.rounding(self.value) + SMALLEST;
+        Self { value: function.value(self.value), error }
     }
     fn abs(self) -> Self {
         Self { value: self.value.abs(), ..self }
