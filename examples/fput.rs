@@ -107,6 +107,7 @@ impl History {
         fput.simulate::<E>(h)
             .start(start)
             .until(end)
+            .whole_steps()
             .record_every(0)
             .inspect(|state, node| {
                 if node.step % every == 0 {

@@ -85,7 +85,8 @@ fn expected(gamma: f64) -> f64 {
 /// The rate at which paths from the equilibrium in one well get to the bottom of the other one, and its standard error.
 fn measured(gamma: f64) -> Result<(f64, f64), Box<dyn Error>> {
     let well = Well { gamma, kt: KT };
-    let run = well.ensemble::<Gjf>(H).paths(PATHS).seed(1).until(3.0 / expected(gamma));
+    let run = well.ensemble::<Gjf>(H).paths(PATHS).seed(1);
+    let run = run.until(3.0 / expected(gamma)).whole_steps();
     let deviation = KT.sqrt();
     let run = run
         .starts(|draw| State::new([-1.0 + deviation / BOTTOM * draw.normal()], [deviation * draw.normal()]));

@@ -125,6 +125,7 @@ where
         .simulate::<E>(h)
         .start(start.clone())
         .until(200.0 * TAU / omega)
+        .whole_steps()
         .record_every(0)
         .inspect(|state, _| {
             // The wave has zero mean, so that the vacuum drops out.

@@ -163,6 +163,7 @@ where
         .simulate::<E>(0.05)
         .start(start)
         .until(SWINGS as f64 * period)
+        .whole_steps()
         .record_every(0)
         .inspect(|state, _| {
             let swing = ((state.t / period) as usize).min(SWINGS - 1);

@@ -1,4 +1,4 @@
-//! The bits of two hundred short runs: every scheme on small systems and on systems of any size, with noise and without, alone, in the lanes of
+//! The bits of some two hundred and fifty short runs: every scheme on small systems and on systems of any size, with noise and without, alone, in the lanes of
 //! ensembles, on threads, stopped and resumed.
 //!
 //! `data/bits.txt` has a checksum of each. A change that alters one says why in its message: `BITS=overwrite cargo test --workspace --test bits` renews the
@@ -153,6 +153,33 @@ impl Table {
         let name = named::<E>(name, degrees);
         self.path::<E, H>(&name, system, degrees, h);
         self.ensemble::<E, H>(&name, system, degrees, h);
+        self.ends_inside_a_step::<E, H>(&name, system, degrees, h);
+    }
+
+    /// A path that ends at a third of a step, stopped at half of one and resumed, and an ensemble.
+    fn ends_inside_a_step<E, H>(&mut self, name: &str, system: &H, degrees: usize, h: f64)
+    where
+        H: Discretized<E> + Sync,
+        H::Vector: Send + Sync,
+    {
+        let file = fixtures::folder!(name.replace(|c: char| !c.is_alphanumeric(), "_")).join("end");
+        let [stop, end] = [STEPS as f64 / 3.0 + 0.5, STEPS as f64 + 1.0 / 3.0].map(|steps| steps * h);
+        let run = |end: f64, to: &str| {
+            let run = system.simulate::<E>(h).start(start::<H::Vector>(degrees)).until(end).record_every(0);
+            let run = run.checkpoint(Checkpoint::to(file.with_extension(to)));
+            let path = if system.increments(degrees) > 0 { run.noise(noise()).run() } else { run.run() };
+            numbers(path.unwrap().last())
+        };
+        let whole = run(end, "whole");
+        run(stop, "part");
+        assert_eq!(run(end, "part"), whole, "{name}, stopped inside a step and resumed");
+        self.row(&format!("{name}, ends inside a step"), &whole);
+        let run = system.ensemble::<E>(h).start(start::<H::Vector>(degrees)).paths(PATHS).until(end);
+        let run = if system.increments(degrees) > 0 { run.seed(7) } else { run };
+        let run = run.keep_paths(1 << 24).run().unwrap();
+        let kept = run.paths().unwrap();
+        let ends: Vec<f64> = (0..kept.count()).flat_map(|path| kept.at(path, 1).unwrap().to_vec()).collect();
+        self.row(&format!("{name}, ensemble that ends inside a step"), &ends);
     }
 
     fn path<E, H: Discretized<E>>(&mut self, name: &str, system: &H, degrees: usize, h: f64) {

@@ -181,18 +181,12 @@ fn no_chain_of_runs_has_an_increment_twice() {
     // The ends of two runs that are shorter than a step are two steps.
     let run = |from: f64, to: f64| {
         let start = State::new([0.0], [0.0]).at(from);
-        Free.simulate::<Midpoint>(0.1)
-            .start(start)
-            .noise(StepNormals::seed(1))
-            .until(to)
-            .exactly()
-            .run()
-            .unwrap()
+        Free.simulate::<Midpoint>(0.1).start(start).noise(StepNormals::seed(1)).until(to).run().unwrap()
     };
     assert_ne!(rows(&run(0.0, 0.05)), rows(&run(0.05, 0.1)));
     let of_ensemble = |from: f64, to: f64| {
         let run = Free.ensemble::<Midpoint>(0.1).start(State::new([0.0], [0.0]).at(from)).paths(2).seed(1);
-        rows(&run.until(to).exactly().record_every(1).replay(0).unwrap().0)
+        rows(&run.until(to).record_every(1).replay(0).unwrap().0)
     };
     assert_eq!(of_ensemble(0.05, 0.1), rows(&run(0.05, 0.1)));
 }

@@ -162,7 +162,7 @@ impl<'a, H: Hamiltonian, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
 }
 
 impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
-    options!(start, end, exact, record, observe, temperatures, section, watch, execution, instructions);
+    options!(start, end, whole, record, observe, temperatures, section, watch, execution, instructions);
 
     /// Observes a function of the system of each path, too.
     fn observe_own(
@@ -307,7 +307,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// [`Trajectory::work`](crate::path::trajectory::Trajectory::work), its shadow part, and
     /// [`Trajectory::heat`](crate::path::trajectory::Trajectory::heat) do for a single path. It is for systems with a bath, forces or
     /// friction. Each path is then stepped by itself, which takes the time of single paths; where the system has elementary functions, the last
-    /// bits of paths may differ from those without it. It excludes `retry`, `exactly`, and times between nodes.
+    /// bits of paths may differ from those without it. It excludes `retry` and times between nodes.
     pub fn observe_work(mut self) -> Self {
         self.setup.more.wanted.has_work = true;
         self

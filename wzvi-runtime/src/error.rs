@@ -236,7 +236,7 @@ messages! { PathError:
         "this needs every step of the path, but it was run with record_every({every}); use 1";
     Self::Uneven { every, steps } =>
         "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps, `record_at` added others, \
-         or `exactly` made the last step shorter";
+         or the last step is shorter, which `whole_steps` prevents";
     Self::Empty => "the path has no step";
     Self::System { path, system } =>
         "the path has {} degrees of freedom and {} noises, but the system has {} and {}",

@@ -7,6 +7,7 @@ mod identity;
 
 pub use crate::error::NoiseError;
 use crate::ground::checksum::Checksum;
+use crate::ground::digits::{computed, number};
 use crate::scheme::plan::Plan;
 pub use identity::Identity;
 
@@ -68,12 +69,35 @@ pub trait Noise {
     /// # Errors
     /// [`NoiseError`]; a source that keeps this default has none.
     fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
-        let _ = (h, dw);
-        Err(NoiseError::Setting(format!(
-            "a last step that is shorter than {}, for which this noise has no increments: implement `Noise::increments_of_part`, or leave \
-             `.exactly()` out",
-            interval.h
-        )))
+        let _ = dw;
+        Err(no_shorter_step(
+            interval,
+            h,
+            "for which this noise has no increments: implement `Noise::increments_of_part`, or",
+        ))
+    }
+
+    /// Writes the increments between two times inside a step: those over the part `from` to `to` of it, as fractions between 0 and 1. The step
+    /// begins where `interval` does and has the size `h`, which is less than that of `interval` for a [last step that is
+    /// shorter](Noise::increments_of_part). Parts that fill a step add up to its increments.
+    ///
+    /// A last step is halved by it ([`Retry`](crate::path::retry::Retry)).
+    ///
+    /// # Errors
+    /// [`NoiseError`]; a source that keeps this default does not know its path there.
+    fn increments_within(
+        &mut self,
+        interval: &Interval,
+        h: f64,
+        [from, to]: [f64; 2],
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        let _ = (interval, h, from, to, dw);
+        Err(NoiseError::Setting(
+            "this noise has no increments inside of a step: implement `Noise::increments_within`, or take `Wiener`, `StepNormals` or \
+             `WongZakai`; a run records the states of its dense output, `.record_at([t])`, with any noise"
+                .into(),
+        ))
     }
 
     /// The largest absolute value that an increment of a step of size `h` can have, after [`Noise::prepare`]; infinite without truncation. Runs
@@ -97,6 +121,15 @@ pub trait Noise {
     fn identity(&self) -> Option<Identity> {
         None
     }
+}
+
+/// A last step that is shorter than the others, in a run whose noise serves whole steps alone, because of `why`.
+fn no_shorter_step(interval: &Interval, h: f64, why: &str) -> NoiseError {
+    let [before, beyond] = [interval.begin(), interval.end()].map(computed);
+    let [size, step] = [number(h), number(interval.h)];
+    NoiseError::Setting(format!(
+        "the last step is shorter ({size}) than the others ({step}), {why} add `.whole_steps()` to end at t = {beyond}, or end at t = {before}"
+    ))
 }
 
 /// The steps of a run are whole: no [`Retry`](crate::path::retry::Retry) was asked for.
@@ -135,6 +168,16 @@ impl<N: Noise + ?Sized> Noise for &mut N {
 
     fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         (**self).increments_of_part(interval, h, dw)
+    }
+
+    fn increments_within(
+        &mut self,
+        interval: &Interval,
+        h: f64,
+        part: [f64; 2],
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        (**self).increments_within(interval, h, part, dw)
     }
 
     fn largest_increment(&self, h: f64) -> f64 {
@@ -225,9 +268,9 @@ impl Noise for Increments {
         }
     }
 
-    /// Those of the row of the step, which are given for a step of that size.
-    fn increments_of_part(&mut self, interval: &Interval, _h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
-        self.increments(interval, dw)
+    /// A row belongs to a whole step: no law says what of it belongs to a shorter one.
+    fn increments_of_part(&mut self, interval: &Interval, h: f64, _dw: &mut [f64]) -> Result<(), NoiseError> {
+        Err(no_shorter_step(interval, h, "and given increments are those of whole steps:"))
     }
 
     /// By a checksum of the numbers.

@@ -41,7 +41,6 @@ fn paths_by_themselves_are_those_in_lanes() {
         bath.ensemble::<Baoab>(0.1)
             .starts_from((0..PATHS).map(|path| start(path as f64)))
             .until(1.23)
-            .exactly()
             .truncation(Truncation::On(1.0))
     );
     // No friction at all: what is between the drifts has no windows.

@@ -22,7 +22,6 @@ where
         .paths(paths)
         .seed(7)
         .until(4.25)
-        .exactly()
         .record_at(TIMES)
         .observe("q", |state| state.q[0])
         .observe("p", |state| state.p[0])
@@ -114,7 +113,7 @@ fn replayed_crossings_are_those_of_a_simulation() {
     for path in 0..5 {
         let (alone, _) = shaken::<Midpoint>(21).replay(path).unwrap();
         let run = Shaken.simulate::<Midpoint>(0.1).start(start()).noise(StepNormals::seed(7).path(path));
-        let run = run.until(4.25).exactly().record_at(TIMES).section(|state| state.q[0]);
+        let run = run.until(4.25).record_at(TIMES).section(|state| state.q[0]);
         let run = run.section_towards(Direction::Rising, |state| state.p[0] - 0.1).run().unwrap();
         assert_eq!(run.crossings().len(), alone.crossings().len());
         for (ours, theirs) in run.crossings().iter().zip(alone.crossings()) {

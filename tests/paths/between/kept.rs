@@ -2,7 +2,7 @@
 
 use fixtures::folder;
 
-use wzvi::checkpoint::{Checkpoint, CheckpointError};
+use wzvi::checkpoint::Checkpoint;
 use wzvi::prelude::*;
 use wzvi::section::Direction;
 use wzvi::simulate::{Simulation, Unobserved};
@@ -49,19 +49,37 @@ fn recorded_times_go_on() {
     }
 }
 
-/// A run that ends inside a step has no node to go on from.
+/// A run that ended inside a step goes on from its last whole step: the path is that of a run that never stopped, to the bit, and the earlier end is
+/// none of its nodes. So does one that ended at a node up to rounding, whose time there is that of the end.
 #[test]
-fn an_exact_end_is_an_end() {
-    let folder = folder!("exact");
+fn ends_inside_steps_go_on() {
+    let folder = folder!("ends");
+    for stop in [0.05, 0.3, 1.05, 1.7, 2.96] {
+        let to = || Checkpoint::to(folder.join(format!("{stop}"))).every_steps(4);
+        let run = |end: f64| {
+            let run = Shaken.simulate::<Midpoint>(0.1).start(start()).noise(Wiener::seed(9)).until(end);
+            run.section(|state| state.p[0] + 0.2).record_at([0.02, 0.05]).record_every(3)
+        };
+        let first = run(stop).checkpoint(to()).run().unwrap();
+        assert_eq!((first.last().t, &first), (stop, &run(stop).run().unwrap()), "{stop}");
+        assert_eq!(run(stop).checkpoint(to()).run().unwrap(), first, "{stop}, again");
+        for end in [3.01, 3.4, 3.44] {
+            let whole = run(end).run().unwrap();
+            assert_eq!(run(end).checkpoint(to()).run().unwrap(), whole, "{stop} {end}");
+            assert!(stop == 0.05 || stop == 0.3 || whole.times().all(|t| t != stop), "{stop}");
+        }
+    }
+    // Averages go on, too, over whole steps.
     let run = |end: f64| {
-        let run = Shaken.simulate::<Midpoint>(0.1).start(start()).noise(Wiener::seed(9)).until(end).exactly();
-        run.checkpoint(Checkpoint::to(folder.join("run")).every_steps(1)).run()
+        let run = Oscillator.simulate::<Gauss<8>>(0.1).start(start()).until(end);
+        run.observe("q", |state| state.q[0] + state.t)
     };
-    let first = run(1.05).unwrap();
-    assert_eq!(run(1.05).unwrap(), first);
-    let Err(wzvi::Error::Checkpoint(error)) = run(2.0) else { panic!("another end") };
-    assert!(
-        matches!(error, CheckpointError::OtherRun { .. }) && error.to_string().contains("exact end"),
-        "{error}"
-    );
+    let to = || Checkpoint::to(folder.join("averages"));
+    run(0.3).checkpoint(to()).time_averages().run().unwrap();
+    run(7.77).checkpoint(to()).time_averages().run().unwrap();
+    let resumed = run(20.0).checkpoint(to()).time_averages().run().unwrap();
+    let whole = run(20.0).time_averages().run().unwrap();
+    let of =
+        |run: &wzvi::series::TimeAverages<_>| (run.averages[0].mean, run.averages[0].variance, run.steps);
+    assert_eq!(of(&resumed), of(&whole));
 }

@@ -38,7 +38,7 @@ fn recorded_times_are_on_the_path() {
 #[test]
 fn times_that_make_no_sense_are_refused() {
     let run = |times: &[f64]| {
-        let run = Oscillator.simulate::<Verlet>(0.25).start(start()).until(1.1);
+        let run = Oscillator.simulate::<Verlet>(0.25).start(start()).until(1.1).whole_steps();
         run.record_at(times.to_vec()).run()
     };
     are_refused(run(&[0.5, 0.3]), "t = 0.3 after t = 0.5");
@@ -49,8 +49,8 @@ fn times_that_make_no_sense_are_refused() {
     // The last node is the first one beyond the end.
     assert!(run(&[1.2]).is_ok());
     are_refused(run(&[1.26]), "between 0 and 1.25");
-    let exactly = Oscillator.simulate::<Verlet>(0.25).start(start()).until(1.1).exactly();
-    are_refused(exactly.record_at([1.2]).run(), "between 0 and 1.1");
+    let to_the_end = Oscillator.simulate::<Verlet>(0.25).start(start()).until(1.1);
+    are_refused(to_the_end.record_at([1.2]).run(), "between 0 and 1.1");
 }
 
 /// Increments are cut where the states are: each `W_k` is a straight line between nodes.
@@ -96,50 +96,70 @@ fn dense_output_with_noise_follows_the_frozen_step() {
 }
 
 #[test]
-fn ends_are_exact_where_that_is_asked_for() {
+fn runs_end_where_they_are_told() {
     let run = |end: f64| Oscillator.simulate::<Gauss<8>>(0.3).start(start()).until(end);
-    let path = run(2.0).exactly().run().unwrap();
+    let path = run(2.0).run().unwrap();
     assert_eq!((path.last().t, path.steps(), path.len()), (2.0, 7, 8));
     assert!((path.last().q[0] - 2.0_f64.cos()).abs() < 1e-14);
-    // Without it, as ever.
-    assert_eq!(run(2.0).run().unwrap().last().t, 0.3 * 7.0);
+    // In whole steps, at the first node at or beyond it.
+    let whole = run(2.0).whole_steps().run().unwrap();
+    assert_eq!(whole.last().t, 0.3 * 7.0);
+    assert_eq!(run(1.8).whole_steps().run().unwrap().steps(), 6);
     // Nodes before it are those of any run.
-    assert_eq!(path.states()[..7], run(2.0).run().unwrap().states()[..7]);
+    assert_eq!(path.states()[..7], whole.states()[..7]);
     // An end that is a node up to rounding has the time that was asked for.
-    let path = Oscillator.simulate::<Gauss<8>>(0.1).start(start()).until(0.3).exactly().run().unwrap();
+    let path = Oscillator.simulate::<Gauss<8>>(0.1).start(start()).until(0.3).run().unwrap();
     assert_eq!((path.last().t, path.steps()), (0.3, 3));
     assert_eq!(0.1 * 3.0, 0.30000000000000004);
     // Shorter than a step, nothing, and backwards.
-    assert_eq!(run(0.1).exactly().run().unwrap().last().t, 0.1);
-    assert_eq!(run(0.0).exactly().run().unwrap().last().t, 0.0);
-    let back = Oscillator.simulate::<Gauss<8>>(-0.3).start(start()).until(-1.0).exactly().run().unwrap();
+    assert_eq!(run(0.1).run().unwrap().last().t, 0.1);
+    assert_eq!(run(0.0).run().unwrap().last().t, 0.0);
+    let back = Oscillator.simulate::<Gauss<8>>(-0.3).start(start()).until(-1.0).run().unwrap();
     assert!(back.last().t == -1.0 && (back.last().q[0] - 1.0_f64.cos()).abs() < 1e-14);
     // Recorded times in the last step.
-    let path = run(2.0).exactly().record_at([1.85, 1.95, 2.0]).run().unwrap();
+    let path = run(2.0).record_at([1.85, 1.95, 2.0]).run().unwrap();
     assert_eq!(path.times().collect::<Vec<_>>(), [0.0, 1.85, 1.95, 2.0]);
     assert!(path.iter().all(|state| (state.q[0] - state.t.cos()).abs() < 1e-12));
-    are_refused(
-        Oscillator.simulate::<Verlet>(0.3).start(start()).steps(3).exactly().run(),
-        "`.until(time).exactly()`",
-    );
-    are_refused(run(f64::NAN).exactly().run(), "NaN");
-    are_refused(run(-1.0).exactly().run(), "-1");
+    // The end is the one that was asked for, also beside regular nodes and with an observer.
+    let mut seen = 0.0;
+    let path = run(0.9).record_every(1).inspect(|state, _| seen = state.t).run().unwrap();
+    assert_eq!((path.last().t, path.states()[3].t, seen, path.steps()), (0.9, 0.9, 0.9, 3));
+    assert_eq!(0.3 * 3.0, 0.899_999_999_999_999_9);
+    let path = Oscillator.simulate::<Verlet>(0.3).start(start()).steps(3).whole_steps().run().unwrap();
+    assert_eq!(path.steps(), 3);
+    are_refused(run(f64::NAN).run(), "NaN");
+    are_refused(run(-1.0).run(), "-1");
+}
+
+/// Asserts that the noise of a run refuses to drive it, in these words.
+fn noise_refuses<T>(run: Result<T, wzvi::Error>, words: &str) {
+    match run {
+        Err(wzvi::Error::Noise(error)) => assert!(error.to_string().contains(words), "{words}: {error}"),
+        other => panic!("{words}: {:?}", other.err()),
+    }
 }
 
 /// The increments of the shorter step are those of its interval.
 #[test]
 fn noise_ends_with_the_path() {
-    let run = || Shaken.simulate::<Midpoint>(0.3).start(start()).until(1.0).exactly();
+    let run = || Shaken.simulate::<Midpoint>(0.3).start(start()).until(1.0);
     let path = run().noise(Wiener::seed(5)).run().unwrap();
     for k in 0..2 {
         let mut wiener = Wiener::seed(5);
         assert!((path.wiener(k).last().unwrap() - wiener.value(k, 1.0).unwrap()).abs() < 1e-14);
     }
-    // The path is that of its increments.
+    // The path of whole steps is that of its increments; no row belongs to a shorter step.
+    let whole = || run().whole_steps();
+    let path = whole().noise(Wiener::seed(5)).run().unwrap();
     let rows: Vec<Vec<f64>> = path.increments().map(<[f64]>::to_vec).collect();
-    assert_eq!(run().noise(Increments::from(rows.clone())).run().unwrap(), path);
-    let error = run().noise(Increments::from(rows[..3].to_vec())).run().unwrap_err();
+    assert_eq!(whole().noise(Increments::from(rows.clone())).run().unwrap(), path);
+    let error = whole().noise(Increments::from(rows[..3].to_vec())).run().unwrap_err();
     assert_eq!(error, wzvi::Error::Noise(NoiseError::Exhausted { step: 3, available: 3 }));
+    let given = || Increments::from(rows.clone());
+    noise_refuses(run().noise(given()).run(), "add `.whole_steps()` to end at t = 1.2, or end at t = 0.9");
+    let many = Shaken.ensemble::<Midpoint>(0.3).start(start()).until(1.0).noise(given()).paths(2);
+    noise_refuses(many.run(), "`.whole_steps()`");
+    assert!(run().until(0.9).noise(given()).run().is_ok());
     // Normals of their own have the variance of the shorter step.
     let n = 4000;
     let last = |path: u64| {
@@ -162,10 +182,10 @@ fn noise_ends_with_the_path() {
     }
     let error = run().noise(Steps).run().unwrap_err();
     assert!(
-        matches!(&error, wzvi::Error::Noise(NoiseError::Setting(text)) if text.contains("exactly")),
+        matches!(&error, wzvi::Error::Noise(NoiseError::Setting(text)) if text.contains("`.whole_steps()`")),
         "{error}"
     );
-    assert!(Shaken.simulate::<Midpoint>(0.25).start(start()).until(1.0).exactly().noise(Steps).run().is_ok());
+    assert!(Shaken.simulate::<Midpoint>(0.25).start(start()).until(1.0).noise(Steps).run().is_ok());
 }
 
 /// A step of its own size is a step of the scheme: the order stays.
@@ -173,12 +193,140 @@ fn noise_ends_with_the_path() {
 fn the_last_step_is_one_of_the_scheme() {
     let error = |h: f64| {
         let path = Pendulum.simulate::<Composed<Verlet, KahanLi8>>(h).start(State::new([2.0], [0.0]));
-        let path = path.until(4.0 * Pendulum::quarter(2.0)).exactly().run().unwrap();
+        let path = path.until(4.0 * Pendulum::quarter(2.0)).run().unwrap();
         (path.last().q[0] - 2.0).abs().max(path.last().p[0].abs())
     };
     assert!(error(0.25) < 1e-6 && error(0.0625) < 1e-11, "{:e} {:e}", error(0.25), error(0.0625));
     assert!(matches!(
-        Pendulum.simulate::<Verlet>(0.1).start(start()).exactly().run(),
+        Pendulum.simulate::<Verlet>(0.1).start(start()).whole_steps().run(),
         Err(wzvi::Error::Config(ConfigError::Missing(_)))
     ));
+}
+
+/// Derivatives of an end inside a step are those of the run, by differences of `1e-5`: the third derivative by the step size, whose ten steps have a
+/// third power of their number, leaves `1e-10` times some tens.
+#[test]
+fn ends_inside_steps_have_derivatives() {
+    let run = |q: f64, h: f64| Pendulum.simulate::<Verlet>(h).start(State::new([q], [0.3])).until(1.05);
+    let tangent = run(2.0, 0.1).tangent_by(&[]).unwrap();
+    assert_eq!((tangent.end.t, tangent.end.q), (1.05, run(2.0, 0.1).plain_sums().run().unwrap().last().q));
+    let d = 1e-5;
+    let slope = |[below, above]: [(f64, f64); 2]| {
+        let [below, above] = [below, above].map(|(q, h)| *run(q, h).run().unwrap().last());
+        [(above.q - below.q) / (2.0 * d), (above.p - below.p) / (2.0 * d)].map(|slope| slope[0])
+    };
+    let by_start = slope([(2.0 - d, 0.1), (2.0 + d, 0.1)]);
+    let by_step_size = slope([(2.0, 0.1 - d), (2.0, 0.1 + d)]);
+    for i in 0..2 {
+        assert!((tangent.by_start[(i, 0)] - by_start[i]).abs() < 1e-8, "{i}: {tangent:?} {by_start:?}");
+        let own = tangent.by_step_size.as_ref().unwrap()[i];
+        assert!((own - by_step_size[i]).abs() < 1e-8, "{i}: {tangent:?} {by_step_size:?}");
+    }
+    let gradient = |end: &State<V1>| wzvi::system::Gradient { q: V1::new(1.0) + 0.0 * end.q, p: 0.0 * end.p };
+    let adjoint = run(2.0, 0.1).adjoint::<Verlet>(gradient).unwrap();
+    assert!((adjoint.by_start.q[0] - tangent.by_start[(0, 0)]).abs() < 1e-14);
+    assert!((adjoint.by_start.p[0] - tangent.by_start[(0, 1)]).abs() < 1e-14);
+}
+
+/// The shorter step is none of the equal intervals that correlations and averages are about, and one of those of the discrete principle.
+#[test]
+fn what_needs_equal_steps_leaves_the_shorter_one_out() {
+    let run = |end: f64| {
+        let run = Shaken.simulate::<Midpoint>(0.1).start(start()).noise(Wiener::seed(3)).until(end);
+        run.observe("q", |state| state.q[0])
+    };
+    let [even, uneven] = [2000.0, 2000.06].map(|end| run(end).run().unwrap());
+    assert_eq!(uneven.len(), even.len() + 1);
+    let correlation = |path: &Trajectory<V1, Midpoint>| path.autocorrelation(|state| state.p[0]).unwrap();
+    assert_eq!(correlation(&uneven), correlation(&even));
+    assert_eq!(uneven.mean_square_displacement().unwrap(), even.mean_square_displacement().unwrap());
+    assert!(matches!(uneven.time_scale(), Err(wzvi::error::PathError::Uneven { .. })));
+    // Residuals of numbers of size one, each of some roundings.
+    assert!(uneven.euler_lagrange_residual(&Shaken).unwrap() < 1e-13);
+    let [even, uneven] = [50.0, 50.06].map(|end| run(end).time_averages().run().unwrap());
+    assert_eq!(
+        (uneven.averages[0].mean, uneven.averages[0].variance),
+        (even.averages[0].mean, even.averages[0].variance)
+    );
+    assert_eq!((uneven.last.t, uneven.steps), (50.06, even.steps + 1));
+    // Also where a stride does not divide the steps.
+    let run =
+        |steps| Oscillator.simulate::<Verlet>(0.1).start(start()).record_every(7).steps(steps).run().unwrap();
+    let displacement = |steps| run(steps).mean_square_displacement().unwrap();
+    assert_eq!(displacement(700).values, displacement(703).values);
+}
+
+/// A well that is driven hard: a step may have no solution.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.25 * (q * q - 1.0) * (q * q - 1.0),
+    noise = [|q, p| 0.75 * q * q * p * p],
+    embedding = Midpoint,
+)]
+struct Hard;
+
+/// In a well that is driven hard, in one step of 0.9, some paths need its halves: the increments of these add up to the one of the step. Paths of
+/// ensembles, in lanes, are halved like those.
+#[test]
+fn the_last_step_is_halved_as_any_other() {
+    const PATHS: u64 = 3;
+    let from = State::new([0.5], [2.0]);
+    let all = || {
+        let run = Hard.ensemble::<Midpoint>(5.0).start(from).seed(1).truncation(wzvi::noise::Truncation::Off);
+        run.paths(PATHS).until(0.9).retry(Retry::halving(12)).allow_losses(1.0)
+    };
+    let mut halved = 0;
+    for path in 0..PATHS {
+        let noise = || StepNormals::seed(1).path(path).untruncated();
+        let run = || Hard.simulate::<Midpoint>(5.0).start(from).noise(noise()).until(0.9).plain_sums();
+        if run().run().is_ok() {
+            continue;
+        }
+        let Ok(path_in_halves) = run().retry(Retry::halving(12)).run() else { continue };
+        halved += 1;
+        assert_eq!((path_in_halves.iterations().halved, path_in_halves.last().t), (1, 0.9));
+        let (mut noise, mut dw) = (noise(), [0.0]);
+        noise.prepare(&<Hard as Discretized<Midpoint>>::PLAN, 5.0, 1, 0.0).unwrap();
+        let interval = Interval { start: 0.0, h: 5.0, step: 0 };
+        noise.increments_of_part(&interval, 0.9, &mut dw).unwrap();
+        assert!((path_in_halves.wiener(0)[1] - dw[0]).abs() < 1e-13, "{path}");
+        let (alone, error) = all().record_every(1).replay(path).unwrap();
+        assert_eq!((error, alone.last()), (None, path_in_halves.last()), "{path}");
+    }
+    assert!(halved > 0);
+    assert!(all().run_in::<8>().unwrap() == all().run_in::<1>().unwrap());
+    // A noise that cannot halve its last step says so before the run.
+    struct Linear;
+    impl Noise for Linear {
+        fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+            dw.fill(interval.h);
+            Ok(())
+        }
+        fn increments_of_part(&mut self, _: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+            dw.fill(h);
+            Ok(())
+        }
+    }
+    impl wzvi::increments::Divisible for Linear {}
+    let run = || Shaken.simulate::<Midpoint>(0.3).start(start()).until(1.0).noise(Linear);
+    assert!(run().run().is_ok());
+    noise_refuses(run().retry(Retry::halving(3)).run(), "`Noise::increments_within`");
+    assert!(run().whole_steps().retry(Retry::halving(3)).run().is_ok());
+}
+
+/// All levels of a multilevel run, and all step sizes of a measurement, are whole.
+#[test]
+fn runs_of_whole_steps_name_the_ends_nearby() {
+    let levels = |end: f64| {
+        let run = Shaken.multilevel::<Midpoint>(0.3).start(start()).until(end).seed(1);
+        run.observe("q", |state| state.q[0]).target(0.2).run()
+    };
+    are_refused(levels(1.0), "end at t = 0.9 or t = 1.2");
+    are_refused(levels(0.1), "end at t = 0.3");
+    assert!(levels(0.9).is_ok());
+    let measured = |end: f64| {
+        let run = Oscillator.work_precision().start(start()).until(end).step_sizes([0.3]).scheme::<Verlet>();
+        run.exact(|t, _| State::new([t.cos()], [-t.sin()])).repetitions(1).quiet().run()
+    };
+    are_refused(measured(1.0), "end at t = 0.9 or t = 1.2");
+    assert!(measured(0.9).is_ok());
 }

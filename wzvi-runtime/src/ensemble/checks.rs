@@ -130,7 +130,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let own_work = more.wanted.has_work.then(|| observables.len());
         if own_work.is_some() {
             let is_between = recorded.iter().any(|recorded| recorded.is_inside);
-            check_work::<H, E>(setup.retry.most() > 0 || grid.shorter.is_some() || is_between)?;
+            check_work::<H, E>(setup.retry.most() > 0 || is_between)?;
             WORK.into_iter().for_each(|name| observables.push(name.into(), elsewhere));
         }
         let (names, observables) = observables.checked("observables")?;
@@ -151,19 +151,16 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let crossings = Crossings::new(start.q.components().len(), more.wanted.most_crossings);
         let crossings = vec![crossings; setup.sections.len()];
         let empty = more.wanted.checked(names, &times, (passages, crossings), has_pairs, paths)?;
-        if let Some(shorter) = grid.shorter.filter(|_| processes > 0) {
-            // A source without increments for the last step is an error before the run.
-            let last = Interval { step: grid.whole(), ..first };
-            source.path(0).increments_of_part(&last, shorter, &mut vec![0.0; processes])?;
-        }
+        grid.check_last(&mut *source.path(0), processes, setup.retry)?;
         Ok(Job {
             system,
             prepared: crate::path::step::prepared(system, h)?,
+            shorter: grid.shorter.map(|h| crate::path::step::prepared(system, h)).transpose()?,
             h,
             level: 0,
             start,
             starts,
-            all_gather: all_gather::<H, E>(&systems, h),
+            all_gather: grid.from(0).all(|(_, size)| all_gather::<H, E>(&systems, size)),
             systems,
             own,
             own_work,
@@ -195,13 +192,12 @@ fn all_gather<H: Discretized<E>, E>(systems: &[H], h: f64) -> bool {
 /// What [`Ensemble::observe_work`] observes, in this order.
 const WORK: [&str; 3] = ["work", "shadow work", "heat"];
 
-/// Whether there is work to observe, in a run that may take steps of another size than its own or look between its nodes.
+/// Whether there is work to observe, in a run that may halve its steps or look between its nodes.
 fn check_work<H: Discretized<E>, E>(is_uneven: bool) -> Result<(), ConfigError> {
     wrong(if !(H::KIND.is_forced || H::KIND.is_conformal || H::PROPERTIES.exchanges) {
         "work of paths that have no bath, force or friction: observe the energy"
     } else if is_uneven {
-        "work of paths whose steps are halved, whose last step is shorter, or that are recorded between nodes: leave `retry`, `exactly` and \
-         such times out, or run single paths"
+        "work of paths whose steps are halved, or that are recorded between nodes: leave `retry` and such times out, or run single paths"
     } else {
         return Ok(());
     })

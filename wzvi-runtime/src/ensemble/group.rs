@@ -38,6 +38,9 @@ const NEVER: (u64, u32) = (u64::MAX, 0);
 /// `L` paths that run beside each other.
 pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     job: &'j Job<'a, H, E>,
+    /// The size of the present step, and what is prepared of the system for such steps: the last one may be shorter.
+    size: f64,
+    prepared: &'j PreparedOf<H, E>,
     path: u64,
     /// None where each path has a stepper.
     q: Vec<Lanes<L>>,
@@ -89,8 +92,6 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     motions: Motions<H::Vector>,
     /// Whether anything is looked for between nodes.
     looks_between: bool,
-    /// Whether the last step, which is shorter, has been taken: by steppers.
-    is_over: bool,
     /// The coarser paths beside these.
     coarse: Option<Box<Coarse<'j, 'a, H, E, P, L>>>,
     systems: PhantomData<P>,
@@ -109,6 +110,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         }
         Self {
             job,
+            size: job.h,
+            prepared: &job.prepared,
             path: 0,
             q: Vec::new(),
             p: Vec::new(),
@@ -137,7 +140,6 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             looked: Vec::new(),
             motions: Motions::default(),
             looks_between: job.looks_between(),
-            is_over: false,
             coarse: coarse.map(|job| Box::new(Coarse::new(job))),
             systems: PhantomData,
         }
@@ -153,11 +155,39 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             *counts = path + (lane as u64) < end;
         }
         (self.failed, self.any_failed) = ([false; L], false);
-        let was_over = std::mem::take(&mut self.is_over);
-        (self.halved, self.unguided, self.anew) = ([NEVER; L], [0; L], 0);
+        self.halved = [NEVER; L];
+        let was_shorter = self.size != self.job.h;
+        self.begin_anew(0, self.job.h, &self.job.prepared)?;
+        self.increments.begin(path);
+        self.put_starts()?;
+        // A stepper that is there starts anew by itself: paths begin at another time than they end.
+        if self.is_stepped() && (self.steppers.len() < L || was_shorter || P::ARE_OWN) {
+            self.make_steppers()?;
+        }
+        for stepper in &mut self.steppers {
+            stepper.set_exchanged(Exchange::default());
+        }
+        self.watch_from_start();
+        self.coarse.as_mut().map_or(Ok(()), |coarse| coarse.group.begin(path, end))
+    }
+
+    /// From this step on, steps have this size, and know nothing of those before.
+    ///
+    /// # Errors
+    /// Those of a system that cannot be prepared.
+    fn begin_anew(
+        &mut self,
+        step: u64,
+        size: f64,
+        prepared: &'j PreparedOf<H, E>,
+    ) -> Result<(), ConfigError> {
+        if size != self.size {
+            (self.size, self.prepared) = (size, prepared);
+            (self.subdivision, self.checked) = (None, None);
+        }
+        (self.unguided, self.anew) = ([step; L], step);
         self.memory.tell(&Request::Forget);
         self.are_apart = false;
-        self.increments.begin(path);
         if const { P::ARE_OWN } {
             self.own.clear();
             for lane in 0..L {
@@ -165,21 +195,40 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             }
             self.gather();
         }
-        self.put_starts()?;
-        // A stepper that is there starts anew by itself: paths begin at another time than they end.
-        if self.is_stepped() && (self.steppers.len() < L || was_over || P::ARE_OWN) {
-            let accounts = self.job.own_work.is_some();
-            self.steppers.clear();
-            for lane in 0..L {
-                let system = self.job.system_of(self.source_of(lane));
-                self.steppers.push(Stepper::beside_others(system, self.job.h, accounts)?);
-            }
+        Ok(())
+    }
+
+    /// Makes a stepper for each lane.
+    fn make_steppers(&mut self) -> Result<(), ConfigError> {
+        let accounts = self.job.own_work.is_some();
+        self.steppers.clear();
+        for lane in 0..L {
+            let system = self.job.system_of(self.source_of(lane));
+            self.steppers.push(Stepper::beside_others(system, self.size, accounts)?);
         }
-        for stepper in &mut self.steppers {
-            stepper.set_exchanged(Exchange::default());
+        Ok(())
+    }
+
+    /// The last step is next, and is shorter than the others: all lanes take it together. It is none of the steps that watches compare.
+    ///
+    /// # Errors
+    /// Those of a system that cannot be prepared, and of a noise that has no increments.
+    #[cold]
+    #[inline(never)]
+    fn begin_last(&mut self, step: u64, size: f64) -> Result<(), Error> {
+        let job = self.job;
+        let missing = || InternalError::new("a shorter step is prepared", size);
+        self.begin_anew(step, size, job.shorter.as_ref().ok_or_else(missing)?)?;
+        if self.is_stepped() {
+            let exchanged: Vec<Exchange> = self.steppers.iter().map(Stepper::exchanged).collect();
+            self.make_steppers()?;
+            let steppers = self.steppers.iter_mut().zip(exchanged);
+            steppers.for_each(|(stepper, exchanged)| stepper.set_exchanged(exchanged));
         }
-        self.watch_from_start();
-        self.coarse.as_mut().map_or(Ok(()), |coarse| coarse.group.begin(path, end))
+        (self.next_look, self.motions.next) = (u64::MAX, u64::MAX);
+        let interval = Interval { step, ..job.grid.first() };
+        let (counts, failed) = (&self.counts, &self.failed);
+        Ok(self.increments.draw_last(&job.source, &interval, size, |lane| counts[lane] && !failed[lane])?)
     }
 
     /// Work, shadow work and heat of a lane, up to a node that all have reached.
@@ -217,7 +266,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// What is prepared of the system of a lane.
     fn prepared(&self, lane: usize) -> Result<PreparedOf<H, E>, ConfigError> {
         let path = self.source_of(lane);
-        let prepared = crate::path::step::prepared(self.job.system_of(path), self.job.h);
+        let prepared = crate::path::step::prepared(self.job.system_of(path), self.size);
         prepared.map_err(|cause| ConfigError::PathSystem { path, cause: Box::new(cause) })
     }
 
@@ -319,8 +368,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             return self.one_by_one(None, step, t);
         }
         let gathered = self.gathered.as_ref();
-        let at = At { t, h: job.h, q: &mut self.q[..], p: &mut self.p[..], dw: self.increments.of(step) };
-        let outcome = advance::<H, E, P, L>(job.system, &job.prepared, gathered, at, &mut self.memory);
+        let at = At { t, h: self.size, q: &mut self.q[..], p: &mut self.p[..], dw: self.increments.of(step) };
+        let outcome = advance::<H, E, P, L>(job.system, self.prepared, gathered, at, &mut self.memory);
         match outcome {
             Ok(_) => Ok(()),
             Err(StepFailure::Lanes(failed)) => self.one_by_one(Some(failed), step, t),
@@ -495,10 +544,10 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
     /// If no path can go on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn advance(&mut self, step: u64) -> Result<(), Error> {
-        if let (Some(h), true) = (self.job.grid.shorter, step + 1 == self.job.steps) {
-            return self.finish(step, h);
+        match self.job.grid.shorter {
+            Some(size) if step + 1 == self.job.steps => self.begin_last(step, size)?,
+            _ => self.draw(step)?,
         }
-        self.draw(step)?;
         if const { P::ARE_PAIRED } {
             self.advance_coarse(step)?;
         }

@@ -6,7 +6,7 @@ use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
 use crate::error::InternalError;
 use crate::increments::{Interval, NoiseError};
-use crate::noise::step_normals::place;
+use crate::noise::step_normals::{place, place_of};
 use crate::noise::{Paths, StepNormals};
 
 /// Processes whose normals are drawn beside each other for a path that goes alone.
@@ -158,6 +158,39 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         Ok(())
     }
 
+    /// Draws the increments of a last step that is shorter, of size `h` from the start of `interval` on, of those lanes that want any.
+    ///
+    /// # Errors
+    /// That of a noise that has none.
+    pub(super) fn draw_last(
+        &mut self,
+        source: &Source<'_>,
+        interval: &Interval,
+        h: f64,
+        wants: impl Fn(usize) -> bool,
+    ) -> Result<(), NoiseError> {
+        let (path, step, processes) = (self.path, interval.step, self.processes);
+        if processes == 0 {
+            return Ok(());
+        }
+        if let (Origin::Normals(..), Some(noise)) = (&self.origin, &source.normals) {
+            let ((block, place), mut drawn) = (place_of(interval.begin(), h)?, [[0.0; L]; STEPS]);
+            let (clip, deviation) = (source.clip(h), h.abs().sqrt());
+            for (process, to) in (0..).zip(self.of_mut(step)) {
+                normals(&noise.key(process, h), path, block, &mut drawn);
+                *to = increment(Lanes::new(drawn[place]), clip, deviation);
+            }
+            return Ok(());
+        }
+        let mut alone = vec![0.0; processes];
+        for lane in (0..L).filter(|lane| wants(*lane)) {
+            source.path(path + lane as u64).increments_of_part(interval, h, &mut alone)?;
+            check_finite(step, &alone)?;
+            self.set(lane, step, &alone);
+        }
+        Ok(())
+    }
+
     /// Of one path many processes are drawn at once.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn draw_alone(&mut self, block: u64) {
@@ -204,9 +237,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         let (_, to) = self.values.split_at_mut(self.blocks.slot(interval.step) * self.processes);
         for (lane, noise) in noises.iter_mut().enumerate().filter(|(lane, _)| wants(*lane)) {
             noise.increments(interval, alone)?;
-            if let Some(process) = alone.iter().position(|dw| !dw.is_finite()) {
-                return Err(NoiseError::NonFinite { step: interval.step, process, value: alone[process] });
-            }
+            check_finite(interval.step, alone)?;
             for (to, from) in to.iter_mut().zip(&*alone) {
                 to.set(lane, *from);
             }
@@ -264,6 +295,14 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     pub(super) fn of_mut(&mut self, step: u64) -> &mut [Lanes<L>] {
         let first = self.blocks.slot(step) * self.processes;
         self.values.get_mut(first..first + self.processes).unwrap_or_default()
+    }
+}
+
+/// Whether the increments of a step are numbers.
+fn check_finite(step: u64, dw: &[f64]) -> Result<(), NoiseError> {
+    match dw.iter().position(|dw| !dw.is_finite()) {
+        Some(process) => Err(NoiseError::NonFinite { step, process, value: dw[process] }),
+        None => Ok(()),
     }
 }
 

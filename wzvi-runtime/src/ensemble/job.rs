@@ -22,6 +22,8 @@ use crate::statistics::Statistics;
 pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) system: &'a H,
     pub(super) prepared: PreparedOf<H, E>,
+    /// What is prepared for a last step that is shorter.
+    pub(super) shorter: Option<PreparedOf<H, E>>,
     pub(super) h: f64,
     /// The level of a multilevel run, 0 the coarsest.
     pub(super) level: u32,
@@ -140,6 +142,7 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
         Ok(Self {
             system,
             prepared: crate::path::step::prepared(*system, h)?,
+            shorter: None,
             h,
             level,
             start: start.clone(),

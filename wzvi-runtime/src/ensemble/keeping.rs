@@ -95,6 +95,9 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
     ];
     let mut settings: Vec<(String, String)> =
         settings.into_iter().chain(more).map(|(name, value)| (name.to_owned(), value)).collect();
+    if let Some(shorter) = job.grid.shorter {
+        settings.push(("the size of the last step".to_owned(), format!("{shorter:?}")));
+    }
     let (of_starts, drawn) = starts(job)?;
     settings.push(of_starts);
     let inside = job.recorded.iter().filter(|recorded| recorded.is_inside);
@@ -111,7 +114,7 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
         settings.push(("the statistics that were added".to_owned(), added.join(", ")));
         settings.push(("their settings (checksum)".to_owned(), checkpoint::checksum(words)));
     }
-    settings.extend(checkpoint::between(&job.grid, &job.sections, &job.start));
+    settings.extend(checkpoint::sections(&job.sections, &job.start));
     settings.extend(systems(job));
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
     let described = Described::of(job.system, &job.prepared, job.h, &job.start, settings);

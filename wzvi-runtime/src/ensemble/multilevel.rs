@@ -45,7 +45,7 @@ use crate::path::checkpoint::{self, Checkpoint, Keeping, Suits};
 use crate::path::choice::Choice;
 use crate::path::options::options;
 use crate::path::recording::Request;
-use crate::path::span::{End, Grid};
+use crate::path::span::{End, Grid, whole_steps};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
@@ -190,7 +190,10 @@ where
         let finest = self.levels.finest;
         let execution = std::mem::take(&mut self.setup.execution);
         let stop = || execution.is_stopped();
-        let (end, paths) = (self.setup.span.end.value().copied(), self.setup.more.paths);
+        let (span, paths) = (&mut self.setup.span, self.setup.more.paths);
+        // Steps of all levels end at the nodes of the coarsest: beyond the requested end only where the user says so.
+        let end = if span.is_whole { None } else { span.end.value().copied() };
+        span.is_whole = true;
         self.setup.more.paths = Some(paths.unwrap_or(MOST_PATHS));
         let keeping = std::mem::take(&mut self.setup.keeping);
         let job = Ensemble::<H, E, StepNormals, Whole, Paired> { setup: self.setup, types: PhantomData }
@@ -244,7 +247,7 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
     let Setup {
         system: _,
         h: _,
-        span,
+        span: _,
         recorded,
         observables,
         sections,
@@ -267,7 +270,6 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
         (!own.is_empty(), "observables of each path's own system"),
         (!events.is_empty(), "first passages"),
         (!sections.is_empty(), "sections"),
-        (span.is_exact, "an exact end"),
         (*quantiles || !histograms.is_empty(), "quantiles and histograms"),
         (covariances.is_some(), "covariances"),
         (most_bytes.is_some() || *most_crossings > 0, "kept paths and crossings"),
@@ -288,18 +290,9 @@ const OBSERVABLE: &str = "an observable: add `.observe(name, function)`";
 /// Whether the coarsest steps end where the run shall: all levels end there.
 fn check_end<H: Discretized<E>, E>(end: Option<End>, job: &Job<'_, H, E>) -> Result<(), ConfigError> {
     let Grid { start, h, steps, .. } = job.grid;
-    if steps == 0 {
-        return wrong("a multilevel run without a step: take a later end");
+    match end {
+        Some(End::Time(end)) => whole_steps(start, end, h).map(drop),
+        _ if steps == 0 => wrong("a multilevel run without a step: take a later end"),
+        _ => Ok(()),
     }
-    let Some(End::Time(end)) = end else { return Ok(()) };
-    let (reached, span) = (job.grid.time(steps), end - start);
-    // The roundings that counting the steps allows for, and those of the product.
-    let allowed = 4.0 * f64::EPSILON * (span.abs() + start.abs() + end.abs());
-    if (reached - end).abs() <= allowed {
-        return Ok(());
-    }
-    wrong(format!(
-        "steps of {h} do not end at t = {end}, but at {reached}: take a coarsest step that fits a whole number of times, {} for one",
-        span / steps as f64
-    ))
 }

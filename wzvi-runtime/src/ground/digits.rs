@@ -17,6 +17,12 @@ impl fmt::Display for Brief {
     }
 }
 
+/// A time or a size that was computed: by 15 digits where these are within two roundings of it, as 0.9 for `3.0 * 0.3`.
+pub(crate) fn computed(x: f64) -> Brief {
+    let short = format!("{x:.14e}").parse().unwrap_or(x);
+    Brief(if (short - x).abs() <= 2.0 * f64::EPSILON * x.abs() { short } else { x })
+}
+
 /// Digits of a number that are written one by one up to the first uncertain one.
 const MOST_DIGITS: i32 = 10;
 
@@ -75,7 +81,14 @@ pub(crate) fn estimate(value: f64, uncertainty: f64) -> String {
 
 #[cfg(all(test, feature = "ensemble"))]
 mod tests {
-    use super::{estimate, number};
+    use super::{computed, estimate, number};
+
+    #[test]
+    fn a_computed_number_has_no_digits_of_its_rounding() {
+        let texts =
+            [0.3 * 3.0, 0.1 * 3.0, 1.0 / 3.0, -7.0 * 0.1, 0.0, 1e20 / 3.0].map(|x| computed(x).to_string());
+        assert_eq!(texts, ["0.9", "0.3", "0.3333333333333333", "-0.7", "0", "3.3333333333333332e19"]);
+    }
 
     #[test]
     fn an_estimate_has_the_digits_that_are_known() {

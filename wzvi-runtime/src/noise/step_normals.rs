@@ -80,6 +80,14 @@ pub(crate) fn place(step: i64) -> (u64, usize) {
     (step.div_euclid(steps).cast_unsigned(), step.rem_euclid(steps) as usize)
 }
 
+/// The same of a step of size `h` that starts at `t`.
+///
+/// # Errors
+/// [`NoiseError::Time`]
+pub(crate) fn place_of(t: f64, h: f64) -> Result<(u64, usize), NoiseError> {
+    number(t, h).map(place)
+}
+
 /// The key of the normals of one process in steps of size `h`, on one level of a multilevel run.
 pub(crate) fn key(seed: u64, process: u64, h: f64, level: u32) -> [u32; 8] {
     let words = |x: u64| [x as u32, (x >> 32) as u32];
@@ -271,6 +279,41 @@ impl StepNormals {
         if self.is_antithetic && self.path % 2 == 1 { -1.0 } else { 1.0 }
     }
 
+    /// The increment over the first part of a step, a fraction between 0 and 1 of it: by the halves that [`StepNormals::part`] has, to `2^-30` of
+    /// the step, and linear in between.
+    fn until(&mut self, process: usize, h: f64, step: i64, fraction: f64) -> f64 {
+        let bound = self.clip(h);
+        let mut dw = self.normal(process, h, step).clamp(-bound, bound) * h.abs().sqrt();
+        let (key, stream, sign) = (self.key(process as u64, h), self.stream(), self.sign());
+        let (mut before, mut cut, mut fraction) = (0.0, 0, fraction);
+        for halving in 1..=RESOLVED {
+            if fraction == 0.0 || fraction == 1.0 {
+                break;
+            }
+            let length = h.abs() / (1_u64 << (halving - 1)) as f64;
+            let height = sign * 0.5 * length.sqrt() * cut_normal(key, stream, step, halving, cut);
+            let halves = [0.5 * dw + height, 0.5 * dw - height];
+            // Doubling a fraction is exact, and so is taking 1 from what is between 1 and 2.
+            fraction *= 2.0;
+            let is_second = fraction > 1.0;
+            if is_second {
+                before += halves[0];
+                fraction -= 1.0;
+            }
+            (dw, cut) = (halves[usize::from(is_second)], 2 * cut + u64::from(is_second));
+        }
+        before + fraction * dw
+    }
+
+    /// The number of a step that begins where `interval` does and has the size `h`.
+    fn number_of(&mut self, interval: &Interval, h: f64) -> Result<i64, NoiseError> {
+        if h == interval.h {
+            Ok(self.first_of(interval.start, h)?.wrapping_add_unsigned(interval.step))
+        } else {
+            number(interval.begin(), h)
+        }
+    }
+
     /// The increment of part `part` of `2^halvings` of a step.
     fn part(&mut self, process: usize, h: f64, step: i64, halvings: u32, part: u64) -> f64 {
         let bound = self.clip(h);
@@ -286,6 +329,9 @@ impl StepNormals {
         dw
     }
 }
+
+/// The halvings of a step after which its path is a straight line.
+const RESOLVED: u32 = MOST_HALVINGS;
 
 /// How often `h` was halved to become `part`; `None` if it was not.
 fn halvings(h: f64, part: f64) -> Option<u32> {
@@ -316,11 +362,28 @@ impl Noise for StepNormals {
     fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(h)?;
         self.truncation.check()?;
-        let (block, place) = place(number(interval.begin(), h)?);
+        let (block, place) = place_of(interval.begin(), h)?;
         let (bound, scale) = (self.clip(h), self.sign() * h.abs().sqrt());
         for (process, dw) in dw.iter_mut().enumerate() {
             let drawn = normals(&random::block(&self.key(process as u64, h), self.stream(), block));
             *dw = scale * drawn[place].clamp(-bound, bound);
+        }
+        Ok(())
+    }
+
+    /// By the Brownian bridge: the halves of the step, their halves, and so on.
+    fn increments_within(
+        &mut self,
+        interval: &Interval,
+        h: f64,
+        [from, to]: [f64; 2],
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        check_step(h)?;
+        self.truncation.check()?;
+        let step = self.number_of(interval, h)?;
+        for (process, dw) in dw.iter_mut().enumerate() {
+            *dw = self.until(process, h, step, to) - self.until(process, h, step, from);
         }
         Ok(())
     }

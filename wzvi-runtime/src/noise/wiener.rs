@@ -215,6 +215,13 @@ pub(super) fn check_step(h: f64) -> Result<(), NoiseError> {
     if h.is_finite() && h != 0.0 { Ok(()) } else { Err(NoiseError::StepSize(h)) }
 }
 
+/// The times at fractions of a step of size `h` from the start of `interval` on: its ends are the times of the run.
+pub(super) fn times_within(interval: &Interval, h: f64, part: [f64; 2]) -> [f64; 2] {
+    part.map(|fraction| {
+        if fraction == 1.0 && h == interval.h { interval.end() } else { interval.begin() + fraction * h }
+    })
+}
+
 impl Noise for Wiener {
     #[inline]
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
@@ -234,8 +241,27 @@ impl Noise for Wiener {
         Ok(())
     }
 
+    /// Zero where the path has the same point at both ends, which are then one time.
     fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
-        self.increments(&Interval { start: interval.begin(), h, step: 0 }, dw)
+        check_step(h)?;
+        self.increments_within(interval, h, [0.0, 1.0], dw)
+    }
+
+    fn increments_within(
+        &mut self,
+        interval: &Interval,
+        h: f64,
+        part: [f64; 2],
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        self.truncation.check()?;
+        let [a, b] = times_within(interval, h, part);
+        let (from, to) = (self.point(a)?, self.point(b)?);
+        let bound = self.acting().bound(h, h.abs().sqrt());
+        for (process, dw) in dw.iter_mut().enumerate() {
+            *dw = self.difference(process, &from, &to).clamp(-bound, bound);
+        }
+        Ok(())
     }
 
     fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, start: f64) -> Result<(), NoiseError> {

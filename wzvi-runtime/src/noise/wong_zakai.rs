@@ -12,7 +12,7 @@
 
 use super::grid::GridTime;
 use super::truncation::truncation_setters;
-use super::wiener::{NOWHERE, Wiener, check_step};
+use super::wiener::{NOWHERE, Wiener, check_step, times_within};
 use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
 use crate::scheme::plan::Plan;
@@ -249,6 +249,17 @@ impl Noise for WongZakai {
 
     fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         self.increments(&Interval { start: interval.begin(), h, step: 0 }, dw)
+    }
+
+    fn increments_within(
+        &mut self,
+        interval: &Interval,
+        h: f64,
+        part: [f64; 2],
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        let [start, end] = times_within(interval, h, part);
+        self.increments(&Interval { start, h: end - start, step: 0 }, dw)
     }
 
     fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, start: f64) -> Result<(), NoiseError> {

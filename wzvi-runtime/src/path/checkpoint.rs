@@ -20,13 +20,16 @@
 //! |---|---|
 //! | does not exist | starts, and writes it before the first step, so that a folder that cannot be written to is an error at once |
 //! | is of this run | continues from there |
-//! | is of this run, which has finished | returns the same trajectory at once; with a later end, continues to it |
+//! | is of this run, which has finished | returns the same trajectory at once; with a later end, continues to it from the last whole step |
 //! | is of another run, damaged, of another format, or no checkpoint | fails with a [`CheckpointError`]; the file is unchanged |
 //!
 //! Two runs are the same if they have the same system, parameters, scheme, step size, start, noise, `record_every` and version of this
 //! crate. Sections are compared by their number, their directions and their values at the start. Parameters are compared by the numbers that
-//! the step computes from them, and by energies and forces at the start and at the checkpoint. Only the end may differ, unless it is reached
-//! exactly ([`exactly`](Simulation::exactly)), since no run resumes from there. To repeat a run from its start, remove its file.
+//! the step computes from them, and by energies and forces at the start and at the checkpoint. Only the end may differ. To repeat a run from its
+//! start, remove its file.
+//!
+//! A file has whole steps only. A run to an end inside a step takes the shorter last step again; a run to a later end takes the whole step there,
+//! and the node at the earlier end is not one of its nodes: its path is that of a run that never ended there.
 //!
 //! Bits are those of the same program on the same machine: `sin`, `exp` and the like come from the platform.
 //!
@@ -193,8 +196,8 @@ impl Keeping {
     }
 }
 
-pub(crate) use identity::between;
 pub(crate) use identity::checksum;
+pub(crate) use identity::sections;
 
 impl<H: Discretized<E>, E, N, O, R, S> Simulation<'_, H, E, N, O, R, S> {
     /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end:

@@ -177,10 +177,10 @@ macro_rules! options {
         }
     };
     (@ end) => {
-        /// Runs to the first node at or beyond time `end` (time units of the Hamiltonian).
+        /// Runs to time `end` (time units of the Hamiltonian). Where `end` is no multiple of the step from the start, the last step is shorter.
         ///
-        /// These are `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000. It is an error
-        /// together with `steps`.
+        /// A multiple up to the rounding of these times counts as one: `until(20.0)` with `h = 0.02` takes 1000 steps, all of the size `h`. It is
+        /// an error together with `steps`.
         pub fn until(mut self, end: f64) -> Self {
             self.setup.span.end.set("until", crate::ground::digits::Brief(end), crate::path::span::End::Time(end));
             self
@@ -192,15 +192,15 @@ macro_rules! options {
             self
         }
     };
-    (@ exact) => {
-        /// Ends exactly at the time of `until`. The last step is shorter than the others if that time is not a node.
+    (@ whole) => {
+        /// Takes whole steps only: the run ends at the first node at or beyond the time of `until`.
         ///
-        /// The last step is prepared once, like the others, and is not halved ([`crate::path::retry`]). Its increments belong to its own
-        /// interval: `Wiener` and `WongZakai` give those of the path, `StepNormals` and seeds of ensembles draw separate normals, and
-        /// `Increments` give the last row. Another noise must implement
-        /// [`Noise::increments_of_part`](crate::increments::Noise::increments_of_part), or the run does not start.
-        pub fn exactly(mut self) -> Self {
-            self.setup.span.is_exact = true;
+        /// Without it, a last step that is shorter is prepared once, like the others. Its increments belong to its own interval: `Wiener` and
+        /// `WongZakai` give those of the path, and `StepNormals` and seeds of ensembles draw separate normals. `Increments` have none for a shorter
+        /// step. Another noise must implement [`Noise::increments_of_part`](crate::increments::Noise::increments_of_part), or the run does not
+        /// start.
+        pub fn whole_steps(mut self) -> Self {
+            self.setup.span.is_whole = true;
             self
         }
     };

@@ -20,7 +20,7 @@ impl Request {
     /// [`ConfigError::Setting`] for a time that the run does not get to, or that does not come after the one before.
     pub(crate) fn checked(&self, default: u64, grid: &Grid) -> Result<Recording, ConfigError> {
         let every = self.every.unwrap_or(if self.times.is_empty() { default } else { 0 });
-        let mut recording = Recording { every, ..Recording::default() };
+        let mut recording = Recording { every, times: self.times.clone(), ..Recording::default() };
         let mut before = f64::NAN;
         for &t in &self.times {
             let Some(place) = grid.place(t) else {
@@ -61,6 +61,8 @@ pub(crate) struct Moment {
 pub(crate) struct Recording {
     /// Every so many steps; 0 for none.
     pub(crate) every: u64,
+    /// The times that were asked for, in order: after the `chosen` numbers of steps, or `between` nodes.
+    pub(crate) times: Vec<f64>,
     /// After so many steps, in order.
     pub(crate) chosen: Vec<u64>,
     /// Inside steps, in order.

@@ -18,7 +18,7 @@ use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepError, StepFailure, wrong};
 pub use crate::increments::{Divisible as Serves, Halved, Whole};
-use crate::increments::{Interval, Noise};
+use crate::increments::{Interval, Noise, NoiseError};
 use crate::path::Error;
 use crate::path::span::Grid;
 use crate::path::step::{StepInfo, Stepper};
@@ -57,8 +57,8 @@ enum Way {
     Whole,
     /// All in `2^halvings` parts at least.
     Halved(u32),
-    /// The last one, which is shorter.
-    Last,
+    /// The last one, which is shorter, in `2^halvings` parts at least.
+    Last(u32),
 }
 
 fn stepper<'a, H: Discretized<E>, E, C: Carry<f64>>(
@@ -72,7 +72,9 @@ fn stepper<'a, H: Discretized<E>, E, C: Carry<f64>>(
 /// Takes the steps of a run, subdividing those that it has to and may.
 pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
     system: &'a H,
+    /// The step size of the run, and that of its present steps: the last one may be shorter.
     h: f64,
+    size: f64,
     retry: Retry,
     is_watched: bool,
     threads: Threads,
@@ -99,7 +101,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     ) -> Result<Self, ConfigError> {
         let stepper = stepper(system, h, threads)?;
         let (way, watch) = (Way::Whole, Watch::of::<H, E>(is_watched, retry.most > 0));
-        Ok(Self { system, h, retry, is_watched, threads, way, watch, stepper, part: Vec::new() })
+        Ok(Self { system, h, size: h, retry, is_watched, threads, way, watch, stepper, part: Vec::new() })
     }
 
     /// The same of another run.
@@ -125,9 +127,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
             _ => false,
         };
         let base = self.base();
-        let may = is_unresolved && base < self.retry.most && self.way != Way::Last;
+        let may = is_unresolved && base < self.retry.most;
         if may {
-            self.way = Way::Halved(base + 1);
+            (self.way, self.size) = (Way::Halved(base + 1), self.h);
             self.watch = Watch::of::<H, E>(self.is_watched, self.retry.most > 0);
             self.stepper = self.stepper(part_of(self.h, base + 1))?;
         }
@@ -137,16 +139,23 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     /// Halvings of every step of this run.
     fn base(&self) -> u32 {
         match self.way {
-            Way::Halved(halvings) => halvings,
-            Way::Whole | Way::Last => 0,
+            Way::Halved(halvings) | Way::Last(halvings) => halvings,
+            Way::Whole => 0,
         }
     }
 
-    /// Goes on with a last step of another size, which is not halved.
-    pub(crate) fn finish_with(&mut self, h: f64) -> Result<(), ConfigError> {
-        let exchanged = self.stepper.exchanged();
-        (self.stepper, self.way) = (self.stepper(h)?, Way::Last);
-        self.stepper.set_exchanged(exchanged);
+    /// The size of its steps, without their halves.
+    pub(crate) fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Goes on with steps of this size: that of the run, or of a last step that is shorter.
+    pub(crate) fn resize(&mut self, size: f64) -> Result<(), ConfigError> {
+        if size != self.size {
+            let (exchanged, base) = (self.stepper.exchanged(), self.base());
+            (self.stepper, self.way, self.size) = (self.stepper(part_of(size, base))?, Way::Last(base), size);
+            self.stepper.set_exchanged(exchanged);
+        }
         Ok(())
     }
 
@@ -160,12 +169,14 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         halvings: u32,
         see: See<'_, 'a, H, E, C>,
     ) -> Result<(), Error> {
-        let mut stepper = self.stepper(part_of(self.h, halvings))?;
+        let mut stepper = self.stepper(part_of(self.size, halvings))?;
         let (mut before, mut state) = (before.clone(), before.clone());
         let mut dw = vec![0.0; self.system.increments(before.q.components().len())];
-        let step = Step { state: &mut state, interval, noise, dw: &mut dw };
-        let mut path = in_parts(&mut stepper, step, halvings);
-        for part in numbers_of_parts(interval.step, halvings)? {
+        let (first, numbers) = parts(interval, self.size, halvings)?;
+        let mut noise = InParts::of(noise, interval, self.size);
+        let mut path =
+            Single { stepper: &mut stepper, state: &mut state, noise: &mut noise, dw: &mut dw, first };
+        for part in numbers {
             let (stepper, step) = path.step(part);
             stepper.take_step(step)?;
             see(path.stepper, [&before, path.state], path.dw);
@@ -183,19 +194,23 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         motion: Option<f64>,
     ) -> Result<StepInfo, Error> {
         let Step { state, interval, noise, dw } = step;
-        let mut level = from;
+        let (mut level, size) = (from, self.size);
         let mut coarse: Option<State<H::Vector>> = None;
         loop {
             let (mut end, before) = (state.clone(), self.stepper.exchanged());
             let step = Step { state: &mut end, interval, noise: &mut *noise, dw: &mut *dw };
-            let is_own = self.way == Way::Halved(level);
+            let is_own = self.way == Way::Halved(level) || self.way == Way::Last(level);
             let outcome = if is_own {
                 let Self { stepper, watch, part, .. } = self;
-                take_parts(stepper, step, level, part, |stepper, step| watched(stepper, watch, step))
+                // A last step that is shorter is none of the steps that the watch compares.
+                let watch = if self.way == Way::Last(level) { &mut Watch::default() } else { watch };
+                take_parts(stepper, step, size, level, part, |stepper, step| watched(stepper, watch, step))
             } else {
-                let mut finer = self.stepper(part_of(self.h, level))?;
+                let mut finer = self.stepper(part_of(size, level))?;
                 finer.set_exchanged(before);
-                let outcome = take_parts(&mut finer, step, level, &mut self.part, Stepper::take_step);
+                let room = &mut self.part;
+                let outcome =
+                    take_parts(&mut finer, step, size, level, room, |stepper, step| stepper.take_step(step));
                 self.stepper.set_exchanged(finer.exchanged());
                 outcome
             };
@@ -203,10 +218,10 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
                 Ok(taken) => match self.unsettled(state, [coarse.as_ref().unwrap_or(state), &end], motion) {
                     Some(cause) if !is_own => {
                         coarse = Some(end);
-                        StepError { step: interval.step, t: state.t, h: part_of(self.h, level), cause }
+                        StepError { step: interval.step, t: state.t, h: part_of(size, level), cause }
                     }
                     _ => {
-                        end.t = interval.end();
+                        end.t = if size == interval.h { interval.end() } else { interval.begin() + size };
                         *state = end;
                         return Ok(taken);
                     }
@@ -253,14 +268,30 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         arrived.map_err(|cause| StepError { step, t: grid.time(step), h, cause })
     }
 
-    /// The last step.
+    /// The last step, which is shorter, in halves where it fails.
     #[cold]
     fn last<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
         let Step { state, interval, noise, dw } = step;
         if let Some(noise) = noise {
-            noise.increments_of_part(&interval, self.stepper.step_size(), dw)?;
+            noise.increments_of_part(&interval, self.size, dw)?;
         }
-        Ok(self.stepper.step(state, dw).map_err(|error| StepError { step: interval.step, ..error })?)
+        match self.stepper.step(state, dw) {
+            Ok(info) => Ok(info),
+            Err(error) => self.try_halves(Step { state, interval, noise, dw }, error),
+        }
+    }
+
+    /// A step that failed, in halves if they may help and are allowed.
+    #[cold]
+    fn try_halves<N: Noise>(
+        &mut self,
+        step: Step<'_, H::Vector, N>,
+        error: StepError,
+    ) -> Result<StepInfo, Error> {
+        if self.retry.most == 0 || !is_curable(error.cause) {
+            return Err(StepError { step: step.interval.step, ..error }.into());
+        }
+        self.subdivide(step, 1, self.watch.mean_motion())
     }
 
     /// A step of the size of the run, in halves where it fails.
@@ -272,10 +303,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         }
         match self.stepper.step(state, dw) {
             Ok(info) => Ok(info),
-            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
-                Err(StepError { step: interval.step, ..error }.into())
-            }
-            Err(_) => self.subdivide(Step { state, interval, noise, dw }, 1, self.watch.mean_motion()),
+            Err(error) => self.try_halves(Step { state, interval, noise, dw }, error),
         }
     }
 
@@ -298,8 +326,10 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         match self.way {
             Way::Whole if self.watch.looks_at(step.interval.step) => self.watched(step),
             Way::Whole => self.whole(step),
-            Way::Halved(halvings) => self.subdivide(step, halvings, self.watch.mean_motion()),
-            Way::Last => self.last(step),
+            Way::Last(0) => self.last(step),
+            Way::Halved(halvings) | Way::Last(halvings) => {
+                self.subdivide(step, halvings, self.watch.mean_motion())
+            }
         }
     }
 }
@@ -321,13 +351,47 @@ fn watched<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
     Ok(info)
 }
 
-/// The `2^level` parts of a step.
-fn in_parts<'s, T, V, N>(stepper: &'s mut T, step: Step<'s, V, N>, level: u32) -> Single<'s, T, V, N> {
-    let Step { state, interval: Interval { start, h, .. }, noise, dw } = step;
-    Single { stepper, state, noise, dw, first: Interval { start, h: part_of(h, level), step: 0 } }
+/// The first of the `2^level` parts of a step of this size, and the numbers of all of them: among those of the run, or from 0 in a last step that
+/// is shorter.
+///
+/// # Errors
+/// [`ConfigError::Setting`] if they cannot be counted.
+fn parts(of: Interval, size: f64, level: u32) -> Result<(Interval, Range<u64>), ConfigError> {
+    let h = part_of(size, level);
+    Ok(if size == of.h {
+        (Interval { start: of.start, h, step: 0 }, numbers_of_parts(of.step, level)?)
+    } else {
+        (Interval { start: of.begin(), h, step: 0 }, 0..1 << level)
+    })
 }
 
-/// Their numbers among those of all steps.
+/// The noise of a step that is taken in parts.
+struct InParts<'n, N> {
+    noise: &'n mut N,
+    of: Interval,
+    /// The size of the step, which is less than that of `of` in a last step that is shorter.
+    size: f64,
+}
+
+impl<'n, N> InParts<'n, N> {
+    fn of(noise: &'n mut Option<N>, of: Interval, size: f64) -> Option<Self> {
+        noise.as_mut().map(|noise| Self { noise, of, size })
+    }
+}
+
+impl<N: Noise> Noise for InParts<'_, N> {
+    fn increments(&mut self, part: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+        if self.size == self.of.h {
+            return self.noise.increments(part, dw);
+        }
+        // A power of two.
+        let share = part.h / self.size;
+        let from = part.step as f64 * share;
+        self.noise.increments_within(&self.of, self.size, [from, from + share], dw)
+    }
+}
+
+/// The numbers of the `2^level` parts of a step among those of all steps.
 ///
 /// # Errors
 /// [`ConfigError::Setting`] if they cannot be counted.
@@ -341,21 +405,25 @@ fn numbers_of_parts(step: u64, level: u32) -> Result<Range<u64>, ConfigError> {
     Ok(numbers)
 }
 
-/// Takes the `2^level` parts of a step, and counts them as one. The increments of the step become the sums of theirs, for which there is room.
+/// Takes the `2^level` parts of a step of this size, and counts them as one. The increments of the step become the sums of theirs, for which there
+/// is room.
 fn take_parts<V, T, N: Noise>(
     stepper: &mut T,
     step: Step<'_, V, N>,
+    size: f64,
     level: u32,
     room: &mut Vec<f64>,
-    mut take: impl FnMut(&mut T, Step<'_, V, N>) -> Result<StepInfo, Error>,
+    mut take: impl FnMut(&mut T, Step<'_, V, InParts<'_, N>>) -> Result<StepInfo, Error>,
 ) -> Result<StepInfo, Error> {
     let Step { state, interval, noise, dw } = step;
     dw.fill(0.0);
     room.resize(dw.len(), 0.0);
-    let mut path = in_parts(stepper, Step { state, interval, noise, dw: room }, level);
+    let (first, numbers) = parts(interval, size, level)?;
+    let mut noise = InParts::of(noise, interval, size);
+    let mut path = Single { stepper, state, noise: &mut noise, dw: room, first };
     // Hard and doubtful where one of the parts is.
     let mut taken = StepInfo { halvings: level, ..StepInfo::default() };
-    for part in numbers_of_parts(interval.step, level)? {
+    for part in numbers {
         let (stepper, step) = path.step(part);
         let StepInfo { iterations, halvings: _, is_hard, is_doubtful } = take(stepper, step)?;
         dw.iter_mut().zip(&*path.dw).for_each(|(sum, dw)| *sum += dw);

@@ -147,7 +147,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
 }
 
 impl<'a, H: Hamiltonian, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
-    options!(start, end, exact, record, observe, temperatures, section, watch, progress);
+    options!(start, end, whole, record, observe, temperatures, section, watch, progress);
 
     /// Observes a function of the system, too.
     fn observe_own(
@@ -229,7 +229,6 @@ impl<'a, H: Hamiltonian, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
             (!times.is_empty(), "`record_at`"),
             (!self.setup.sections.is_empty(), "`section`"),
             (O::LOOKS, "`inspect`"),
-            (self.setup.span.is_exact, "`exactly`"),
         ];
         if let Some((_, what)) = asked.iter().find(|(is_asked, _)| *is_asked) {
             return wrong(format!("{what} in a run that keeps no path: leave it out"));

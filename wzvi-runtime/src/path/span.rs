@@ -1,10 +1,14 @@
 //! From where to where a run goes, and where its nodes are: the same for every builder.
 
+use std::ops::Range;
+
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepFailure};
-use crate::increments::{Interval, Noise};
+use crate::error::{ConfigError, StepFailure, wrong};
+use crate::ground::digits::{Brief, computed};
+use crate::increments::{Interval, Noise, NoiseError};
 use crate::path::Error;
 use crate::path::choice::Choice;
+use crate::path::retry::Retry;
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{Discretized, Hamiltonian, fits};
 
@@ -23,26 +27,26 @@ pub(crate) enum End {
 pub(crate) struct Span<V> {
     pub(crate) start: Choice<State<V>>,
     pub(crate) end: Choice<End>,
-    /// Whether the last node is at the end, wherever that is.
-    pub(crate) is_exact: bool,
+    /// Whether all steps have the size of the run: the last one leads beyond an end that is no node.
+    pub(crate) is_whole: bool,
     /// Whether something was asked of each degree of freedom before their number was known.
     pub(crate) was_asked_early: bool,
 }
 
 impl<V> Default for Span<V> {
     fn default() -> Self {
-        Self { start: Choice::default(), end: Choice::default(), is_exact: false, was_asked_early: false }
+        Self { start: Choice::default(), end: Choice::default(), is_whole: false, was_asked_early: false }
     }
 }
 
-/// The nodes of a run: `start + n h`, and the end where that is another.
+/// The nodes of a run, `start + n h` and the end, and the steps between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grid {
     pub(crate) start: f64,
     pub(crate) h: f64,
     /// All steps, a shorter last one included.
     pub(crate) steps: u64,
-    /// The time of the last node, if the end is exact.
+    /// The time of the last node, where the run ends at a time.
     pub(crate) end: Option<f64>,
     /// The size of a last step that is shorter than the others.
     pub(crate) shorter: Option<f64>,
@@ -78,24 +82,49 @@ impl Grid {
         Interval { start: self.start, h: self.h, step: 0 }
     }
 
-    /// A noise, ready for these steps; none for a deterministic system, which asks for nothing.
+    /// The steps from one on, in order: the numbers of those of one size, and that size.
+    pub(crate) fn from(&self, first: u64) -> impl Iterator<Item = (Range<u64>, f64)> {
+        let whole = (first..self.whole(), self.h);
+        let shorter = self.shorter.map(|h| (first.max(self.whole())..self.steps, h));
+        std::iter::once(whole).chain(shorter).filter(|(numbers, _)| !numbers.is_empty())
+    }
+
+    /// The size of a step.
+    pub(crate) fn size(&self, step: u64) -> f64 {
+        self.shorter.filter(|_| step + 1 == self.steps).unwrap_or(self.h)
+    }
+
+    /// A noise, ready for these steps, which may be halved; none for a deterministic system, which asks for nothing.
     pub(crate) fn prepared<N: Noise>(
         &self,
         noise: Option<N>,
         plan: &Plan,
         processes: usize,
+        retry: Retry,
     ) -> Result<Option<N>, Error> {
         if processes == 0 {
             return Ok(None);
         }
         let mut noise = noise.ok_or(ConfigError::Missing(NOISE))?;
         noise.prepare(plan, self.h, processes, self.start)?;
-        if let Some(shorter) = self.shorter {
-            // What has no increments for the last step says so before the run.
-            let last = Interval { step: self.whole(), ..self.first() };
-            noise.increments_of_part(&last, shorter, &mut vec![0.0; processes])?;
-        }
+        self.check_last(&mut noise, processes, retry)?;
         Ok(Some(noise))
+    }
+
+    /// Whether a noise has increments for a last step that is shorter, and for its halves: what has none says so before the run.
+    pub(crate) fn check_last(
+        &self,
+        noise: &mut (impl Noise + ?Sized),
+        processes: usize,
+        retry: Retry,
+    ) -> Result<(), NoiseError> {
+        let Some(shorter) = self.shorter.filter(|_| processes > 0) else { return Ok(()) };
+        let (last, mut dw) = (Interval { step: self.whole(), ..self.first() }, vec![0.0; processes]);
+        noise.increments_of_part(&last, shorter, &mut dw)?;
+        if retry.most() > 0 {
+            noise.increments_within(&last, shorter, [0.0, 0.5], &mut dw)?;
+        }
+        Ok(())
     }
 
     /// Whether each node has a time of its own: steps are no shorter than the distance of two numbers at the later end.
@@ -162,7 +191,7 @@ impl<V: Vector> Span<V> {
         }
         let start = checked(system, self.start.checked(ONE_START)?)?;
         let end = self.end.checked("a run has one end")?;
-        let grid = grid(end, self.is_exact, start.t, h)?;
+        let grid = grid(end, self.is_whole, start.t, h)?;
         if !grid.has_times() {
             return Err(ConfigError::End { start: start.t, end: grid.time(grid.steps), h });
         }
@@ -175,7 +204,6 @@ pub(crate) const ONE_START: &str = "a path has one start";
 const END: &str = "an end: add `.until(time)` or `.steps(number)`";
 const SIZE: &str =
     "the number of degrees of freedom for `.observe_equipartition()`: call it after `.start(...)`";
-const TIME: &str = "a time to end at exactly: `.until(time).exactly()`; a number of steps ends at a node";
 
 /// Refuses states of another number of degrees of freedom than the system has.
 pub(crate) fn sized<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> Result<(), ConfigError> {
@@ -202,17 +230,42 @@ fn is_finite<V: Vector>(state: &State<V>) -> bool {
     state.q.components().iter().chain(state.p.components()).chain([&state.t]).all(|x| x.is_finite())
 }
 
-fn grid(end: Option<End>, is_exact: bool, start: f64, h: f64) -> Result<Grid, ConfigError> {
+fn grid(end: Option<End>, is_whole: bool, start: f64, h: f64) -> Result<Grid, ConfigError> {
     match end.ok_or(ConfigError::Missing(END))? {
-        End::Time(end) if is_exact => Grid::until(start, end, h).ok_or(ConfigError::End { start, end, h }),
-        End::Time(end) => {
+        End::Time(end) if is_whole => {
             let steps = steps_between(start, end, h).ok_or(ConfigError::End { start, end, h })?;
             Ok(Grid::of(start, h, steps))
         }
-        End::Steps(_) if is_exact => Err(ConfigError::Missing(TIME)),
+        End::Time(end) => Grid::until(start, end, h).ok_or(ConfigError::End { start, end, h }),
         End::Steps(steps) if steps <= MOST_STEPS => Ok(Grid::of(start, h, steps)),
         End::Steps(steps) => Err(ConfigError::End { start, end: start + steps as f64 * h, h }),
     }
+}
+
+/// The whole steps from one time to another, at least one.
+///
+/// # Errors
+/// [`ConfigError::End`], and [`ConfigError::Setting`] with the two nearest ends where there is no such number.
+pub(crate) fn whole_steps(start: f64, end: f64, h: f64) -> Result<u64, ConfigError> {
+    let (steps, is_node) = located(start, end, h).ok_or(ConfigError::End { start, end, h })?;
+    if is_node && steps > 0 {
+        return Ok(steps);
+    }
+    let [end_asked, step] = [end, h].map(Brief);
+    let [before, beyond] = [steps.saturating_sub(1), steps.max(1)].map(|n| computed(start + n as f64 * h));
+    wrong(if steps == 0 {
+        format!(
+            "a run without a step, to t = {end_asked}: the first end in whole steps of {step} is t = {beyond}"
+        )
+    } else if steps == 1 {
+        format!(
+            "steps of {step} do not end at t = {end_asked}, and this run takes whole steps: end at t = {beyond}, or take shorter steps"
+        )
+    } else {
+        format!(
+            "steps of {step} do not end at t = {end_asked}, and this run takes whole steps: end at t = {before} or t = {beyond}"
+        )
+    })
 }
 
 /// `⌈(end - start)/h⌉`, or the integer that the quotient would be but for rounding; `None` if it is negative, NaN or
@@ -283,7 +336,19 @@ mod tests {
     }
 
     #[test]
-    fn an_exact_end_is_a_node() {
+    fn steps_are_handed_out_by_their_sizes() {
+        let grid = Grid::until(0.0, 1.05, 0.1).unwrap();
+        let from = |first| grid.from(first).map(|(numbers, size)| (numbers.start, numbers.end, size));
+        let rest = grid.shorter.unwrap();
+        assert!(from(0).eq([(0, 10, 0.1), (10, 11, rest)]) && from(10).eq([(10, 11, rest)]));
+        assert_eq!(([9, 10].map(|step| grid.size(step)), from(11).count()), ([0.1, rest], 0));
+        assert_eq!(whole_steps(0.0, 0.9, 0.3), Ok(3));
+        let words = |end| whole_steps(0.0, end, 0.3).unwrap_err().to_string();
+        assert!(words(1.0).ends_with("end at t = 0.9 or t = 1.2") && words(0.0).ends_with("t = 0.3"));
+    }
+
+    #[test]
+    fn an_end_is_a_node() {
         use Place::{Inside, Node};
         let grid = Grid::until(0.0, 1.05, 0.1).unwrap();
         assert_eq!((grid.steps, grid.whole(), grid.time(10), grid.time(11)), (11, 10, 1.0, 1.05));

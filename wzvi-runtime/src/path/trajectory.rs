@@ -284,7 +284,8 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// The increments from each recorded node to the next, one row per interval and one number per noise. They are those of the steps if
     /// every step was recorded, and their sums otherwise.
     ///
-    /// [`Increments`](crate::increments::Increments) made of them repeat the run.
+    /// [`Increments`](crate::increments::Increments) made of them repeat a run of [whole
+    /// steps](crate::path::simulate::Simulation::whole_steps).
     pub fn increments(&self) -> impl ExactSizeIterator<Item = &[f64]> + '_ {
         (0..self.len().saturating_sub(1)).map(|interval| self.row(interval))
     }
@@ -355,15 +356,36 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// The time scale T of the recorded nodes.
     ///
     /// # Errors
-    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if intervals differ, such as a last one that is shorter.
+    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if intervals differ, such as a last one that is shorter: a run of
+    /// [`whole_steps`](crate::path::simulate::Simulation::whole_steps) has none.
     pub fn time_scale(&self) -> Result<TimeScale, PathError> {
-        let Path { every, steps, states, last, chosen, shorter, .. } = &self.path;
-        let [first, .., _] = states.as_slice() else { return Err(PathError::Empty) };
-        let ends_short = shorter.is_some() || *every > 1 && steps % every != 0;
-        if *chosen > 0 || ends_short && states.len() > 2 {
-            return Err(PathError::Uneven { every: *every, steps: *steps });
+        let even = self.even()?;
+        match even {
+            [first, .., last] if even.len() == self.len() => {
+                Ok(TimeScale::new(first.t, last.t, even.len() - 1)?)
+            }
+            _ => Err(self.uneven()),
         }
-        Ok(TimeScale::new(first.t, last.t, states.len() - 1)?)
+    }
+
+    fn uneven(&self) -> PathError {
+        PathError::Uneven { every: self.path.every, steps: self.path.steps }
+    }
+
+    /// The recorded nodes at equal distances in time: without the last one, where the interval before it is shorter than the others.
+    ///
+    /// # Errors
+    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if other intervals differ.
+    pub(crate) fn even(&self) -> Result<&[State<V>], PathError> {
+        let Path { every, steps, states, chosen, shorter, .. } = &self.path;
+        let ends_short = shorter.is_some() || *every > 1 && steps % every != 0;
+        match states.as_slice() {
+            [] | [_] => Err(PathError::Empty),
+            _ if *chosen > 0 => Err(self.uneven()),
+            [_, _] => Ok(states),
+            [even @ .., _] if ends_short => Ok(even),
+            _ => Ok(states),
+        }
     }
 
     /// An observable along the path, as a function on T: the discrete calculus starts here.
@@ -389,6 +411,14 @@ impl<V: Vector, E> Trajectory<V, E> {
     {
         self.check_every_step(system)?;
         let scale = self.time_scale()?;
+        Ok(Function::new(scale, self.residuals(system))?)
+    }
+
+    /// The residuals at the interior nodes, of a path of which every step was recorded.
+    fn residuals<H>(&self, system: &H) -> Vec<EulerLagrangeResidual<V>>
+    where
+        H: Discretized<E, Vector = V>,
+    {
         let mut residuals = Vec::with_capacity(self.len().saturating_sub(2));
         let mut previous: Option<(Segment<V>, &[f64])> = None;
         for next in self.segments(system) {
@@ -397,7 +427,7 @@ impl<V: Vector, E> Trajectory<V, E> {
             }
             previous = Some(next);
         }
-        Ok(Function::new(scale, residuals)?)
+        residuals
     }
 
     /// The largest absolute residual of the discrete Euler-Lagrange equations: `|D_2 L_d(step i-1) + D_1 L_d(step i)|` over the interior
@@ -405,15 +435,17 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// with a [bath](crate::scheme::bath), whose steps follow from no Lagrangian.
     ///
     /// # Errors
-    /// As [`Trajectory::euler_lagrange`].
+    /// As [`Trajectory::euler_lagrange`]; a last step that is shorter is one of the steps.
     pub fn euler_lagrange_residual<H>(&self, system: &H) -> Result<f64, PathError>
     where
         H: Discretized<E, Vector = V>,
     {
-        let interior = self.euler_lagrange(system)?;
+        self.check_every_step(system)?;
+        self.even()?;
+        let interior = self.residuals(system);
         let first = self.segments(system).next();
         let first = first.map(|(segment, dw)| system.discrete_lagrangian_gradient(&segment, dw).p);
-        let both = interior.values().iter().flat_map(|residual| [&residual.node, &residual.momentum]);
+        let both = interior.iter().flat_map(|residual| [&residual.node, &residual.momentum]);
         Ok(largest(both.chain(&first).flat_map(|vector| vector.components()).copied()))
     }
 
@@ -435,10 +467,10 @@ impl<V: Vector, E> Trajectory<V, E> {
     where
         H: Discretized<E, Vector = V>,
     {
-        // A shorter step is alone here: no path with others has a time scale.
-        let h = self.path.shorter.unwrap_or(self.step_size());
+        let (h, shorter, steps) = (self.step_size(), self.path.shorter, self.len() - 1);
         let ends = self.states().iter().zip(self.states().iter().skip(1));
-        ends.zip(self.increments()).map(move |((before, after), dw)| {
+        (1..).zip(ends).zip(self.increments()).map(move |((step, (before, after)), dw)| {
+            let h = shorter.filter(|_| step == steps).unwrap_or(h);
             let p = system.step_momentum(before, after, h, dw);
             (Segment { q0: before.q.clone(), q1: after.q.clone(), p, t: before.t, h }, dw)
         })

@@ -15,7 +15,7 @@ use crate::ground::progress::ProgressLine;
 use crate::increments::{Interval, Noise as _};
 use crate::noise::{Driver, Paths as _, Wiener};
 use crate::path::Error;
-use crate::path::span::{End, sized, steps_between};
+use crate::path::span::{End, sized, whole_steps};
 use crate::path::trajectory::Iterations;
 use crate::scheme::system::Hamiltonian;
 
@@ -125,14 +125,7 @@ where
             return wrong("no paths: `.paths(0)` leaves nothing to measure");
         }
         let whole = |h: f64| {
-            let steps = steps_between(start.t, end, h).ok_or(ConfigError::End { start: start.t, end, h })?;
-            let gap = (steps as f64 * h - (end - start.t)).abs();
-            if steps == 0 || gap > 1e-9 * h.abs() {
-                let span = end - start.t;
-                return wrong(format!(
-                    "steps of {h} do not fit a whole number of times into a run of {span}; take {span} over an integer"
-                ));
-            }
+            let steps = whole_steps(start.t, end, h)?;
             usize::try_from(steps).map_err(|_| ConfigError::End { start: start.t, end, h })
         };
         let degrees = start.q.components().len();

@@ -68,7 +68,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let job = self.job;
         let mut state = self.state_of(lane, error.t);
         let motion = self.motions.of(lane);
-        let subdivision = subdivision_of(&mut self.subdivision, job, self.path + lane as u64)?;
+        let subdivision = subdivision_of(&mut self.subdivision, job, self.path + lane as u64, self.size)?;
         let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
         let interval = Interval { step, ..job.grid.first() };
         let noise = &mut noise.as_deref_mut();
@@ -93,7 +93,6 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         t: f64,
         memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
-        let job = self.job;
         let [mut q, mut p, mut dw] = std::mem::take(&mut self.single);
         let lists = [(&mut q, &*self.q), (&mut p, &*self.p), (&mut dw, self.increments.of(step))];
         for (single, all) in lists {
@@ -102,7 +101,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         }
         let (system, prepared) = self.system_of(lane);
         let gathered = if const { P::ARE_OWN } { SchemeOf::<H, E>::gather([&prepared]) } else { None };
-        let at = At { t, h: job.h, q: &mut q[..], p: &mut p[..], dw: &dw };
+        let at = At { t, h: self.size, q: &mut q[..], p: &mut p[..], dw: &dw };
         let outcome = advance::<H, E, P, 1>(system, &prepared, gathered.as_ref(), at, memory);
         if outcome.is_ok() {
             for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
@@ -113,7 +112,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         match outcome {
             Ok(_) => Ok(()),
             Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => self.careful(lane, step, cause, memory),
-            Err(cause) => Err(StepError { step, t, h: job.h, cause }.into()),
+            Err(cause) => Err(StepError { step, t, h: self.size, cause }.into()),
         }
     }
 
@@ -122,7 +121,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let job = self.job;
         match self.own.get(lane) {
             Some(prepared) if P::ARE_OWN => (job.system_of(self.source_of(lane)), prepared.clone()),
-            _ => (job.system, job.prepared.clone()),
+            _ => (job.system, self.prepared.clone()),
         }
     }
 
@@ -134,10 +133,10 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         cause: StepFailure,
         memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
-        let (job, t) = (self.job, self.time(step));
+        let t = self.time(step);
         let State { q, p, t } = self.state_of(lane, t);
         let (system, prepared) = self.system_of(lane);
-        let (h, dw) = (job.h, List::of(self.increments_of(lane, step)));
+        let (h, dw) = (self.size, List::of(self.increments_of(lane, step)));
         let hard = Hard { system, prepared, t, h, q, p, dw, carry: Plain, blocks: None };
         let solved = solve_by_continuation(hard, cause);
         let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
@@ -179,7 +178,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     #[cold]
     #[inline(never)]
     pub(super) fn check_starts(&mut self, step: u64) -> Result<(), Error> {
-        let (h, starts) = (self.job.h, std::mem::take(&mut self.starts));
+        let (h, starts) = (self.size, std::mem::take(&mut self.starts));
         for (lane, State { q, p, t }) in starts.iter().enumerate() {
             // Halves that were taken, and a careful solution, have been checked.
             if self.unguided[lane] != step || self.failed[lane] {
@@ -219,7 +218,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             Some((hard, room)) if !P::ARE_OWN => (hard, room),
             _ => {
                 let (system, prepared) = self.system_of(lane);
-                let (h, q, p, dw) = (self.job.h, q.clone(), p.clone(), List::of(&[]));
+                let (h, q, p, dw) = (self.size, q.clone(), p.clone(), List::of(&[]));
                 (Hard { system, prepared, t, h, q, p, dw, carry: Plain, blocks: None }, Default::default())
             }
         };
@@ -263,21 +262,22 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     }
 }
 
-/// What halves the steps of a path: made when it is first needed, and anew for each path that has its own system.
+/// What halves the steps of this size of a path: made when it is first needed, and anew for each path that has its own system.
 pub(super) fn subdivision_of<'s, 'j, H: Discretized<E>, E>(
     kept: &'s mut Option<Subdivision<'j, H, E, Plain>>,
     job: &'j Job<'_, H, E>,
     path: u64,
+    size: f64,
 ) -> Result<&'s mut Subdivision<'j, H, E, Plain>, ConfigError> {
     if !job.systems.is_empty() {
         *kept = None;
     }
-    match kept {
-        Some(subdivision) => Ok(subdivision),
-        none => {
-            Ok(none.insert(Subdivision::new(job.system_of(path), job.h, job.retry, true, Threads::Caller)?))
-        }
-    }
+    let subdivision = match kept {
+        Some(subdivision) => subdivision,
+        none => none.insert(Subdivision::new(job.system_of(path), job.h, job.retry, true, Threads::Caller)?),
+    };
+    subdivision.resize(size)?;
+    Ok(subdivision)
 }
 
 /// What one scheme leaves has the same shape for every number.

@@ -1,12 +1,10 @@
-//! Between the nodes of a group: its dense output, and a last step that ends where no other does.
+//! Between the nodes of a group: its dense output.
 
 use super::alone::subdivision_of;
 use super::{Group, Systems};
 use crate::algebra::state::State;
-use crate::error::StepError;
 use crate::increments::Interval;
 use crate::path::Error;
-use crate::path::step::Stepper;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
 
@@ -14,38 +12,6 @@ use crate::scheme::system::Discretized;
 type SeeInside<'s, V> = &'s mut dyn FnMut(&DenseOutput<V>, &[f64], bool);
 
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L> {
-    /// The last step, where it is shorter than the others: it is that of a stepper, and is not halved.
-    ///
-    /// # Errors
-    /// Those of a stepper that cannot be made, and of a noise that has no increments.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn finish(&mut self, step: u64, h: f64) -> Result<(), Error> {
-        let (job, t) = (self.job, self.time(step));
-        let interval = Interval { step, ..job.grid.first() };
-        let mut steppers = Vec::with_capacity(L);
-        for lane in 0..L {
-            steppers.push(Stepper::beside_others(job.system_of(self.source_of(lane)), h, false)?);
-        }
-        for (lane, stepper) in steppers.iter_mut().enumerate() {
-            if !self.counts[lane] || self.failed[lane] {
-                continue;
-            }
-            if !self.alone.is_empty() {
-                job.source.path(self.path(lane)).increments_of_part(&interval, h, &mut self.alone)?;
-                self.increments.set(lane, step, &self.alone);
-            }
-            let mut state = self.state_of(lane, t);
-            match stepper.step(&mut state, &self.alone) {
-                Ok(_) => self.put(lane, &state.q, &state.p),
-                Err(error) => self.fail(lane, StepError { step, ..error }),
-            }
-        }
-        (self.steppers, self.is_over) = (steppers, true);
-        self.arrive(step);
-        Ok(())
-    }
-
     /// Shows the step of a lane that led from `before` to this node, part by part if it was halved.
     ///
     /// # Errors
@@ -64,7 +30,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         let nodes = [before, &self.states[if self.is_stepped() { lane } else { 0 }]];
         let halvings = self.halvings_of(lane, step);
         if halvings > 0 {
-            let subdivision = subdivision_of(&mut self.subdivision, job, path)?;
+            let subdivision = subdivision_of(&mut self.subdivision, job, path, self.size)?;
             let mut noise = (!self.alone.is_empty()).then(|| job.source.path(path));
             let interval = Interval { step, ..job.grid.first() };
             let mut parts = 1_u64 << halvings;
@@ -76,10 +42,10 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
             });
         }
         match self.steppers.get(lane) {
-            Some(stepper) if self.is_stepped() || self.is_over => stepper.fill(nodes, &self.alone, dense),
+            Some(stepper) if self.is_stepped() => stepper.fill(nodes, &self.alone, dense),
             _ => {
                 debug_assert!(!H::PROPERTIES.has_polynomial, "a stepper keeps it");
-                dense.fill_by_rates::<H, E>(job.system_of(path), nodes, job.h, &self.alone);
+                dense.fill_by_rates::<H, E>(job.system_of(path), nodes, self.size, &self.alone);
             }
         }
         see(dense, &self.alone, true);

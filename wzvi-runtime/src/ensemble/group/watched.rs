@@ -125,8 +125,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
             let arrived = watch.arrive::<H, E>(job.system_of(path), self.state_at(lane, step + 1));
             self.watches[lane] = watch;
             if let Err(cause) = arrived {
-                let h = job.grid.shorter.filter(|_| self.is_over).unwrap_or(job.h);
-                self.fail(lane, StepError { step, t: self.time(step), h, cause });
+                self.fail(lane, StepError { step, t: self.time(step), h: self.size, cause });
             }
         }
     }

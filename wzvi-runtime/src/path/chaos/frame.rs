@@ -33,6 +33,8 @@ pub(super) fn orthogonalise(frame: &[Vec<f64>], vector: &mut [f64]) -> f64 {
 /// Deviations from a path.
 pub(super) struct Frame<'a, H: Discretized<E>, E> {
     system: &'a H,
+    /// The size of the present steps.
+    h: f64,
     blocks: Vec<Columns<H, E, f64, BESIDE>>,
     /// The deviations as lists, for what is not done in blocks.
     lists: Vec<Vec<f64>>,
@@ -61,6 +63,7 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
         };
         Ok(Self {
             system,
+            h,
             blocks: deviations.chunks(BESIDE).map(block).collect::<Result<_, ConfigError>>()?,
             lists: deviations.to_vec(),
             dw: Vec::new(),
@@ -84,12 +87,18 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
         step: Step<'_, H::Vector, N>,
     ) -> Result<(), Error> {
         let Step { state, interval, noise, dw } = step;
+        if whole.size() != self.h {
+            self.h = whole.size();
+            for columns in &mut self.blocks {
+                columns.resize(self.system, &as_they_are, self.h, interval.step)?;
+            }
+        }
         copy_state(&mut self.before, state);
         whole.take_step(Step { state: &mut *state, interval, noise, dw: &mut *dw })?;
         self.dw.clear();
         self.dw.extend(dw.iter().map(|dw| Dual::constant(*dw)));
-        let Self { system, blocks, dw, before, end, .. } = self;
-        let (step, t, h) = (interval.step, before.t, interval.h);
+        let Self { system, h, blocks, dw, before, end, .. } = self;
+        let (step, t, h) = (interval.step, before.t, *h);
         for (block, columns) in blocks.iter_mut().enumerate() {
             columns.vary(system, step, [before, state], dw, end).map_err(|cause| match cause {
                 // The step itself has a finite end.

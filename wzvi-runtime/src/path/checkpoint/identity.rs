@@ -9,7 +9,6 @@ use crate::ground::names::short_name;
 use crate::path::recording::Recording;
 use crate::path::retry::Retry;
 use crate::path::section::Sections;
-use crate::path::span::Grid;
 use crate::scheme::system::{Discretized, Gradient, Hamiltonian, PreparedOf};
 
 /// Names and values.
@@ -20,24 +19,17 @@ pub(super) fn settings(recording: &Recording, retry: Retry, is_compensated: bool
     let mut fields = Fields::new();
     let mut set = |name: &str, value: String| fields.push((name.to_owned(), value));
     set("record_every", recording.every.to_string());
-    if !recording.chosen.is_empty() {
-        set("record_at (checksum of the steps)", checksum(recording.chosen.iter().copied()));
-    }
-    if !recording.between.is_empty() {
-        let times = recording.between.iter().map(|moment| moment.t.to_bits());
-        set("record_at (checksum of the times between nodes)", checksum(times));
+    if !recording.times.is_empty() {
+        set("record_at (checksum)", checksum(recording.times.iter().copied().map(f64::to_bits)));
     }
     set("the halvings allowed", retry.most().to_string());
     set("compensated summation", is_compensated.to_string());
     fields
 }
 
-/// The sections of a run, and its end if that need not be a node: no run continues from there.
-pub(crate) fn between<V>(grid: &Grid, sections: &Sections<'_, V>, start: &State<V>) -> Fields {
+/// The sections of a run.
+pub(crate) fn sections<V>(sections: &Sections<'_, V>, start: &State<V>) -> Fields {
     let mut fields = Fields::new();
-    if let Some(end) = grid.end {
-        fields.push(("the exact end".to_owned(), format!("{end:?}")));
-    }
     if !sections.is_empty() {
         fields.push(("the sections".to_owned(), sections.in_words()));
         let values = sections.values(start).into_iter().map(f64::to_bits);

@@ -27,8 +27,8 @@ impl Keeping {
         if !self.is_set() {
             return Ok(Keeper::default());
         }
-        let described = described(path, run, (grid, retry, sections))?;
-        let (extent, mut forces) = (Extent { kind: Kind::Path, all: grid.steps, unit: 1 }, String::new());
+        let described = described(path, run, (retry, sections))?;
+        let (extent, mut forces) = (Extent { kind: Kind::Path, all: grid.whole(), unit: 1 }, String::new());
         let keeper =
             self.open(extent, described, &mut |tape| forces = pass(path.stepper, path.state, run, tape))?;
         // Of the state that was read, or of the start, which was written.
@@ -58,14 +58,14 @@ impl Keeper {
 fn described<H: Discretized<E>, E, N: Noise, C: Carry<f64>>(
     path: &OnePath<'_, '_, H, E, N, C>,
     run: &Run<'_, '_, impl Observer<H::Vector>, H::Vector>,
-    (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
+    (retry, sections): (Retry, &Sections<'_, H::Vector>),
 ) -> Result<Described, CheckpointError> {
     let noise = path.noise.as_ref().map_or_else(|| Some(Identity::of("none")), N::identity);
     let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
     let (stepper, state) = (&path.stepper.stepper, &*path.state);
     let mut settings = identity::settings(run.account.recorder.recording(), retry, stepper.is_compensated());
     settings.extend(noise);
-    settings.extend(identity::between(grid, sections, state));
+    settings.extend(identity::sections(sections, state));
     settings.extend(run.observer.described(state));
     Ok(Described::of(stepper.system(), stepper.prepared(), stepper.step_size(), state, settings))
 }

@@ -4,6 +4,7 @@ use super::SeriesError;
 use super::transform::{lagged_products, spectrum};
 use crate::algebra::state::{State, Vector};
 use crate::error::PathError;
+use crate::ground::calculus::TimeScale;
 use crate::path::trajectory::Trajectory;
 use crate::scheme::system::Hamiltonian;
 
@@ -223,16 +224,18 @@ fn window(rho: &[f64], count: usize) -> Option<usize> {
 }
 
 impl<V: Vector, E> Trajectory<V, E> {
-    /// The autocorrelation of a function of the state along the recorded nodes.
+    /// The autocorrelation of a function of the state along the recorded nodes. Where the interval before the last node is shorter than the others,
+    /// that node is left out.
     ///
     /// # Errors
-    /// As [`Trajectory::time_scale`]; [`PathError::Series`] where the path is too short for it.
+    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] where `record_at` added nodes; [`PathError::Series`] where the path is too
+    /// short for it.
     pub fn autocorrelation(
         &self,
         observable: impl FnMut(&State<V>) -> f64,
     ) -> Result<Autocorrelation, PathError> {
-        let spacing = self.spacing()?;
-        let values: Vec<f64> = self.iter().map(observable).collect();
+        let (nodes, spacing) = self.spaced()?;
+        let values: Vec<f64> = nodes.iter().map(observable).collect();
         Autocorrelation::of(&values, spacing).map_err(PathError::Series)
     }
 
@@ -240,13 +243,13 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// time is the diffusion coefficient.
     ///
     /// # Errors
-    /// As [`Trajectory::time_scale`].
+    /// As [`Trajectory::autocorrelation`].
     pub fn velocity_autocorrelation<H: Hamiltonian<Vector = V>>(
         &self,
         system: &H,
     ) -> Result<ByLag, PathError> {
-        let spacing = self.spacing()?;
-        let velocities: Vec<V> = self.iter().map(|state| system.energy_gradient(state).p).collect();
+        let (nodes, spacing) = self.spaced()?;
+        let velocities: Vec<V> = nodes.iter().map(|state| system.energy_gradient(state).p).collect();
         let series = by_degree(&velocities);
         let power = spectrum(series.iter().map(Vec::as_slice), velocities.len());
         let mut values = lagged_products(&power, velocities.len());
@@ -261,10 +264,10 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// simulations", Comput. Phys. Commun. 91, 1995).
     ///
     /// # Errors
-    /// As [`Trajectory::time_scale`].
+    /// As [`Trajectory::autocorrelation`].
     pub fn mean_square_displacement(&self) -> Result<ByLag, PathError> {
-        let spacing = self.spacing()?;
-        let coordinates: Vec<V> = self.iter().map(|state| state.q.clone()).collect();
+        let (nodes, spacing) = self.spaced()?;
+        let coordinates: Vec<V> = nodes.iter().map(|state| state.q.clone()).collect();
         let (mut series, length) = (by_degree(&coordinates), coordinates.len());
         // Displacements do not see the origin; squares are the smaller for one in the middle.
         for values in &mut series {
@@ -286,9 +289,11 @@ impl<V: Vector, E> Trajectory<V, E> {
         Ok(ByLag { spacing, values })
     }
 
-    /// Time between recorded nodes.
-    fn spacing(&self) -> Result<f64, PathError> {
-        self.time_scale().map(|scale| scale.step_size())
+    /// The recorded nodes at equal distances in time, and that distance.
+    fn spaced(&self) -> Result<(&[State<V>], f64), PathError> {
+        let nodes = self.even()?;
+        let [first, .., last] = nodes else { return Err(PathError::Empty) };
+        Ok((nodes, TimeScale::new(first.t, last.t, nodes.len() - 1)?.step_size()))
     }
 }
 

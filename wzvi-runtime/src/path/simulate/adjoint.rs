@@ -34,6 +34,8 @@ pub struct Adjoint<V> {
 struct Taken<V> {
     before: State<V>,
     dw: Vec<f64>,
+    /// Its size.
+    h: f64,
 }
 
 impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, Whole, S>
@@ -99,14 +101,19 @@ where
             let before = step.state.clone();
             let Step { state, interval, noise, dw } = step;
             whole.take_step(Step { state, interval, noise, dw: &mut *dw })?;
-            taken.push(Taken { before, dw: dw.to_vec() });
+            taken.push(Taken { before, dw: dw.to_vec(), h: whole.size() });
             Ok(())
         })?;
         let mut by_start = gradient(&end);
         let zeros = || vec![Dual::default(); end.q.components().len()];
-        let mut back = Columns::<H, T, f64, 1>::new(system, &as_they_are, -h, [zeros(), zeros()])?;
+        let mut size = taken.last().map_or(h, |step| step.h);
+        let mut back = Columns::<H, T, f64, 1>::new(system, &as_they_are, -size, [zeros(), zeros()])?;
         let (mut after, mut reversed, mut room) = (end.clone(), Vec::new(), end.q.clone());
-        for (step, Taken { before, dw }) in taken.into_iter().enumerate().rev() {
+        for (step, Taken { before, dw, h }) in taken.into_iter().enumerate().rev() {
+            if h != size {
+                back.resize(system, &as_they_are, -h, 0)?;
+                size = h;
+            }
             let ends = [&before, &after];
             let pulled = pull(&mut back, system, ends, &dw, &mut by_start, (&mut reversed, &mut room));
             let (step, t) = (step as u64, before.t);

@@ -8,7 +8,7 @@ use crate::error::wrong;
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::options::{Execution, Setup};
-use crate::path::retry::Subdivision;
+use crate::path::retry::{Retry, Subdivision};
 use crate::path::span::Grid;
 use crate::path::steps::{Single, Step};
 use crate::scheme::poles;
@@ -52,7 +52,6 @@ where
         // Nothing is shown, and steps are not in lanes.
         let Execution { threads, stop, handle, .. } = execution;
         let whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
-        let is_exact = span.is_exact;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
         let unused = [
@@ -60,7 +59,6 @@ where
             ("`section`", !sections.is_empty()),
             ("`record_every` and `record_at`", is_recorded),
             ("a checkpoint", keeping.is_set()),
-            ("`exactly`", is_exact),
             ("`handle`", handle.is_some()),
             ("`stop_when`", stop.is_some()),
         ];
@@ -68,7 +66,7 @@ where
             return wrong(format!("`{what}` has no use for {setting}: leave it out"));
         }
         let processes = system.increments(start.q.components().len());
-        let noise = grid.prepared(noise, &H::PLAN, processes)?;
+        let noise = grid.prepared(noise, &H::PLAN, processes, retry)?;
         if let Some(noise) = &noise {
             poles::check::<H, E>(system, &start, h, &|h| noise.largest_increment(h))?;
         }
@@ -77,7 +75,7 @@ where
 }
 
 impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
-    /// Takes all steps by `take`; returns the end.
+    /// Takes all steps by `take`, which finds the size of each in [`Subdivision::size`]; returns the end.
     ///
     /// # Errors
     /// The first one of a step.
@@ -102,10 +100,14 @@ impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
         let mut dw = vec![0.0; system.increments(state.q.components().len())];
         let mut path =
             Single { stepper: &mut *whole, state: &mut state, noise, dw: &mut dw, first: grid.first() };
-        for step in 0..grid.steps {
-            let (whole, step) = path.step(step);
-            take(whole, step)?;
+        for (numbers, size) in grid.from(0) {
+            path.stepper.resize(size)?;
+            for step in numbers {
+                let (whole, step) = path.step(step);
+                take(whole, step)?;
+            }
         }
+        path.state.t = grid.end.unwrap_or(path.state.t);
         whole.arrive(&state, grid)?;
         Ok(state)
     }
@@ -133,7 +135,7 @@ impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
             return Ok(false);
         }
         let processes = self.system.increments(self.start.q.components().len());
-        self.noise = self.grid.prepared(self.noise.take(), &H::PLAN, processes)?;
+        self.noise = self.grid.prepared(self.noise.take(), &H::PLAN, processes, Retry::never())?;
         Ok(true)
     }
 }

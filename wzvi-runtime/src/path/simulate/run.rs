@@ -45,7 +45,7 @@ where
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
         let recording = setup.recorded.checked(1, &grid)?;
         let processes = system.increments(start.q.components().len());
-        let mut noise = grid.prepared(noise, &H::PLAN, processes)?;
+        let mut noise = grid.prepared(noise, &H::PLAN, processes, retry)?;
         if let Some(noise) = &noise {
             poles::check::<H, E>(system, &start, h, &|h| noise.largest_increment(h))?;
         }
@@ -112,7 +112,7 @@ where
     }
 }
 
-/// Takes all steps from this one on, the last one of another size if it is shorter.
+/// Takes all steps from this one on.
 fn take_all<'s, H, E, N, O, C>(
     path: &mut OnePath<'_, 's, H, E, N, C>,
     first: u64,
@@ -124,18 +124,13 @@ where
     O: Observer<H::Vector>,
     C: Carry<f64>,
 {
-    let (grid, mut steps) = (nodes.grid, first..nodes.grid.whole());
-    // One call for both: with two, what they call would not be inlined (4 to 8 % more instructions in steps of small systems).
-    loop {
-        take_steps(&mut (&mut *path, &mut *nodes), steps.clone())?;
-        match grid.shorter {
-            Some(h) if steps.start < grid.steps && steps.end < grid.steps => {
-                path.stepper.finish_with(h)?;
-                steps = grid.whole()..grid.steps;
-            }
-            _ => return Ok(()),
-        }
+    // One call for steps of all sizes: with two, what they call would not be inlined (4 to 8 % more instructions in steps of small systems).
+    let grid = nodes.grid;
+    for (numbers, size) in grid.from(first) {
+        path.stepper.resize(size)?;
+        take_steps(&mut (&mut *path, &mut *nodes), numbers)?;
     }
+    Ok(())
 }
 
 /// What a run writes down of its steps.
@@ -197,6 +192,19 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
     /// The next node at which it may be time to save, to show how far the run is, or to ask whether to stop.
     fn next_due(&self) -> u64 {
         self.keeper.next().min(self.shown.next())
+    }
+
+    /// Shows the end of the run to the observer, at its time. Averages see it as any node, since a run may go on from there, and only where all
+    /// steps are whole.
+    #[cold]
+    fn show_end(&mut self, state: &mut State<V>, dw: &[f64]) {
+        let Grid { steps, end, shorter, .. } = self.grid;
+        if O::LOOKS && !(O::AVERAGES && shorter.is_some()) {
+            let t = state.t;
+            state.t = end.filter(|_| !O::AVERAGES).unwrap_or(t);
+            self.run.show(state, steps, dw);
+            state.t = t;
+        }
     }
 
     /// Looks into the step that ended at a node.
@@ -263,22 +271,26 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look(&mut self, node: u64) -> Result<(), Error> {
         let (path, nodes) = self;
-        let all = nodes.grid.steps;
-        if node == all {
-            path.state.t = nodes.grid.end.unwrap_or(path.state.t);
+        let Grid { steps: all, end, shorter, .. } = nodes.grid;
+        if node == all && shorter.is_some() {
+            path.state.t = end.unwrap_or(path.state.t);
         }
         if nodes.run.looks.is_some() {
             nodes.look_inside(path, node)?;
         }
         let recorder = &mut nodes.run.account.recorder;
         let is_recorded = recorder.reach(path.state);
-        if O::LOOKS && (is_recorded || recorder.shows_all() || node == all) {
+        if node == all {
+            nodes.show_end(path.state, path.dw);
+        } else if O::LOOKS && (is_recorded || recorder.shows_all()) {
             nodes.run.show(path.state, node, path.dw);
         }
         let is_enough = O::AVERAGES && nodes.run.observer.has_enough();
         if node >= nodes.due || is_enough {
             let is_over = nodes.shown.look(node) || is_enough;
-            if nodes.keeper.is_due(node) || (is_over && nodes.keeper.keeps()) {
+            // A run goes on from whole steps.
+            let may_save = node <= nodes.grid.whole();
+            if may_save && (nodes.keeper.is_due(node) || (is_over && nodes.keeper.keeps())) {
                 nodes.keeper.save_path(path, &mut nodes.run, node)?;
             }
             if is_over {

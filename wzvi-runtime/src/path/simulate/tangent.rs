@@ -62,7 +62,8 @@ pub struct Tangent<V> {
     pub by_start: DMatrix<f64>,
     /// `∂(q, p)(end) / ∂θ`, a column for each parameter that [`Simulation::tangent_by`] names; none of [`Simulation::tangent`].
     pub by_parameters: DMatrix<f64>,
-    /// `∂(q, p)(end) / ∂h` for the same number of steps from the same time, where [`Simulation::tangent_by`] was called.
+    /// `∂(q, p)(end) / ∂h` for the same number of steps from the same time, where [`Simulation::tangent_by`] was called. The end moves with `h`,
+    /// unless the last step is shorter: then it stays, and the last step becomes shorter by as much as the others become longer.
     pub by_step_size: Option<DVector<f64>>,
 }
 
@@ -88,7 +89,7 @@ where
     ///
     /// # Errors
     /// Those of [`Simulation::run`]; [`ConfigError::Setting`] for settings without meaning here: observables, sections, recorded nodes, a checkpoint,
-    /// an exact end, and what would stop the run. [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do not do that, end
+    /// and what would stop the run. [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do not do that, end
     /// elsewhere. [`DerivativeError`] where the derivatives by one variable of the start are out of the range of `f64`, as after a long run with
     /// friction or of a chaotic system: it has the logarithm of their size.
     pub fn tangent(self) -> Result<Tangent<H::Vector>, Error> {
@@ -124,9 +125,12 @@ where
         let bare = self.bare("tangent")?;
         let degrees = bare.start.q.components().len();
         let mut varied = Varied::<H, E>::new(bare.system, bare.h, &bare.start, parameters)?;
-        let (start, h) = (bare.start.t, bare.h);
-        let end = bare.run(|whole, step| varied.take_step(whole, step))?;
-        varied.are_held(((end.t - start) / h).round() as u64, end.t)?;
+        let mut steps = 0;
+        let end = bare.run(|whole, step| {
+            steps = step.interval.step + 1;
+            varied.take_step(whole, step)
+        })?;
+        varied.are_held(steps, end.t)?;
         let named = parameters.map_or(0, <[&str]>::len);
         Ok(Tangent {
             by_start: matrix(&varied.by_start, degrees, 0..2 * degrees),
@@ -152,8 +156,9 @@ struct Varied<'a, H: Discretized<E>, E> {
     /// By the state of the start, and by parameters and the step size.
     by_start: Vec<Columns<H, E, f64, BESIDE>>,
     by_constants: Vec<Columns<H, E, Number, BESIDE>>,
-    /// The names of those parameters.
+    /// The names of those parameters, and their numbers.
     names: Vec<String>,
+    numbers: Vec<usize>,
     dw: Vec<Number>,
     /// The state before a step, and one of both ends that dual numbers have.
     before: State<H::Vector>,
@@ -164,6 +169,8 @@ struct Varied<'a, H: Discretized<E>, E> {
 pub(crate) struct Columns<H: Discretized<E>, E, K: Constant, const N: usize> {
     prepared: PreparedOf<H, E, K>,
     h: K,
+    /// The derivative of the step size of the run, with the value zero.
+    by_size: K,
     pub(crate) q: Vec<Dual<N>>,
     pub(crate) p: Vec<Dual<N>>,
     /// The derivatives of each column are `2^exponent` times those of the numbers.
@@ -182,8 +189,22 @@ where
         h: K,
         [q, p]: [Vec<Dual<N>>; 2],
     ) -> Result<Self, ConfigError> {
-        let prepared = SchemeOf::<H, E>::prepare(system, lift, h)?;
-        Ok(Self { prepared, h, q, p, exponents: [0; N], memory: Default::default() })
+        let (prepared, by_size) = (SchemeOf::<H, E>::prepare(system, lift, h)?, h - h.lane(0));
+        Ok(Self { prepared, h, by_size, q, p, exponents: [0; N], memory: Default::default() })
+    }
+
+    /// Goes on with a last step of another size, after so many steps of the run: the end stays where it is when the step size changes.
+    pub(crate) fn resize(
+        &mut self,
+        system: &H,
+        lift: Lift<'_, K>,
+        size: f64,
+        steps: u64,
+    ) -> Result<(), ConfigError> {
+        self.h = self.by_size * -(steps as f64) + size;
+        self.prepared = SchemeOf::<H, E>::prepare(system, lift, self.h)?;
+        self.memory.tell(&Request::Forget);
+        Ok(())
     }
 
     /// The largest derivative of a column.
@@ -237,12 +258,12 @@ where
         dw: &[Dual<N>],
         end: &mut H::Vector,
     ) -> Result<(), StepFailure> {
-        let Self { prepared, h, q, p, exponents: _, memory } = self;
+        let Self { prepared, h, by_size, q, p, exponents: _, memory } = self;
         for (numbers, values) in [(&mut *q, &before.q), (&mut *p, &before.p)] {
             numbers.iter_mut().zip(values.components()).for_each(|(number, value)| number.value = *value);
         }
         // So many step sizes from the start.
-        let t = (*h - h.lane(0)) * step as f64 + before.t;
+        let t = *by_size * step as f64 + before.t;
         let at = At { t, h: *h, q: &mut q[..], p: &mut p[..], dw };
         anew::advance::<H, SchemeOf<H, E>, K, Dual<N>>(system, prepared, at, memory)?;
         ends_at([q, p], [before, after], end)
@@ -314,21 +335,17 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
             let lists = [0, degrees].map(|offset| (offset..offset + degrees).map(unit).collect());
             Columns::new(system, &as_they_are, h, lists)
         };
+        let numbers = parameters.map(|names| numbers(system, names)).transpose()?;
         let of_constants = |first: usize, numbers: &[usize]| {
-            let lift = |number: usize, value: f64| Dual {
-                value,
-                derivative: from_fn(|column| f64::from(numbers.get(first + column) == Some(&number))),
-            };
             let h = Number::variable(h, numbers.len() - first);
             let lists = [0, 1].map(|_| vec![Number::from_f64(0.0); degrees]);
-            Columns::new(system, &lift, h, lists)
+            Columns::new(system, &lifted(numbers, first), h, lists)
         };
-        let by_constants = match parameters {
+        let by_constants = match &numbers {
             None => Vec::new(),
-            Some(names) => {
-                let numbers = numbers(system, names)?;
+            Some(numbers) => {
                 let firsts = (0..=numbers.len()).step_by(BESIDE);
-                firsts.map(|first| of_constants(first, &numbers)).collect::<Result<_, ConfigError>>()?
+                firsts.map(|first| of_constants(first, numbers)).collect::<Result<_, ConfigError>>()?
             }
         };
         let firsts = (0..2 * degrees).step_by(BESIDE);
@@ -338,6 +355,7 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
             by_start: firsts.map(of_start).collect::<Result<_, ConfigError>>()?,
             by_constants,
             names: parameters.unwrap_or_default().iter().map(|&name| format!("`{name}`")).collect(),
+            numbers: numbers.unwrap_or_default(),
             dw: Vec::new(),
             before: start.clone(),
             end: start.q.clone(),
@@ -410,9 +428,34 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
         step: Step<'_, H::Vector, N>,
     ) -> Result<(), Error> {
         let Step { state, interval, noise, dw } = step;
+        if whole.size() != self.h {
+            self.resize(whole.size(), interval.step)?;
+        }
         copy_state(&mut self.before, state);
         whole.take_step(Step { state, interval, noise, dw })?;
         self.vary(interval.step, state, dw)
+    }
+
+    /// Goes on with a last step of another size, after so many steps.
+    #[cold]
+    fn resize(&mut self, size: f64, steps: u64) -> Result<(), ConfigError> {
+        let Self { system, by_start, by_constants, numbers, .. } = self;
+        for columns in by_start {
+            columns.resize(system, &as_they_are, size, steps)?;
+        }
+        for (first, columns) in (0..).step_by(BESIDE).zip(by_constants) {
+            columns.resize(system, &lifted(numbers, first), size, steps)?;
+        }
+        self.h = size;
+        Ok(())
+    }
+}
+
+/// Parameters of these numbers, from the first of a block on, as variables.
+fn lifted(numbers: &[usize], first: usize) -> impl Fn(usize, f64) -> Number {
+    move |number, value| Dual {
+        value,
+        derivative: from_fn(|column| f64::from(numbers.get(first + column) == Some(&number))),
     }
 }
 

@@ -143,8 +143,17 @@ impl<V: Vector> Recorder<V> {
     }
 
     /// The trajectory on these nodes, which ends at `last`.
-    pub(crate) fn finish<E>(mut self, last: State<V>, grid: &Grid) -> Trajectory<V, E> {
-        self.path.shorter = grid.shorter.filter(|_| self.path.steps == grid.steps);
+    pub(crate) fn finish<E>(mut self, mut last: State<V>, grid: &Grid) -> Trajectory<V, E> {
+        let is_over = self.path.steps == grid.steps;
+        self.path.shorter = grid.shorter.filter(|_| is_over);
+        if let Some(end) = grid.end.filter(|_| is_over) {
+            last.t = end;
+            if self.kept == self.path.steps
+                && let Some(state) = self.path.states.last_mut()
+            {
+                state.t = end;
+            }
+        }
         Trajectory { path: self.path(last), variables: None, unsaved: None, scheme: PhantomData }
     }
 
