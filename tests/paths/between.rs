@@ -4,5 +4,6 @@ mod dense;
 mod ensembles;
 mod kept;
 mod sections;
+mod states;
 mod systems;
 mod times;

@@ -211,6 +211,22 @@ pub enum PathError {
     },
     /// The path has no step.
     Empty,
+    /// The time is not on the path.
+    Outside {
+        /// The requested time.
+        t: f64,
+        /// The first time of the path.
+        start: f64,
+        /// The last time of the path.
+        end: f64,
+    },
+    /// The node before this time was not recorded.
+    Unrecorded {
+        /// The requested time.
+        t: f64,
+        /// What `record_every` was.
+        every: u64,
+    },
     /// The path is one of another system: degrees of freedom and noises differ.
     System {
         /// Degrees of freedom and noises of the path.
@@ -238,6 +254,11 @@ messages! { PathError:
         "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps, `record_at` added others, \
          or the last step is shorter, which `whole_steps` prevents";
     Self::Empty => "the path has no step";
+    Self::Outside { t, start, end } =>
+        "t = {} is not on the path, which goes from {} to {}", Brief(*t), Brief(*start), Brief(*end);
+    Self::Unrecorded { t, every } =>
+        "the node before t = {} was not recorded (record_every({every})): run with `record_every(1)`, or ask the run for this time, \
+         `record_at([{}])`", Brief(*t), Brief(*t);
     Self::System { path, system } =>
         "the path has {} degrees of freedom and {} noises, but the system has {} and {}",
         path.0, path.1, system.0, system.1;

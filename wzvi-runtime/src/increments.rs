@@ -81,7 +81,8 @@ pub trait Noise {
     /// begins where `interval` does and has the size `h`, which is less than that of `interval` for a [last step that is
     /// shorter](Noise::increments_of_part). Parts that fill a step add up to its increments.
     ///
-    /// A last step is halved by it ([`Retry`](crate::path::retry::Retry)).
+    /// A last step is halved by it ([`Retry`](crate::path::retry::Retry)), and a recorded path asks for
+    /// [states between its nodes](crate::path::trajectory::Trajectory::at).
     ///
     /// # Errors
     /// [`NoiseError`]; a source that keeps this default does not know its path there.

@@ -1,5 +1,6 @@
 //! The result of a run: states at the recorded nodes and the increments between them.
 
+mod at;
 mod recorder;
 #[cfg(feature = "serde")]
 mod serial;
@@ -19,6 +20,7 @@ use crate::path::section::Crossing;
 use crate::path::step::StepInfo;
 use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment, fits};
+pub use at::States;
 pub(crate) use recorder::Recorder;
 pub use table::PathTable;
 
