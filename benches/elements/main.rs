@@ -13,6 +13,8 @@
 //! * `polymer`: a chain of points in space, per point.
 //! * `stiff`: `Midpoint` where the fixed point does not contract: FPUT-alpha-beta at h = 3, and the field φ⁴ on 256² sites with `k h²` from 1 to 10⁶.
 //!
+//! `sums`: `Verlet` with plain and with compensated sums, and runs whose energy is monitored or not.
+//!
 //! All of that on one thread. `memory`: steps of a million sites on one core and on all stand beside a triad, `a = b + s c`, of as many.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
@@ -26,6 +28,7 @@ mod memory;
 mod network;
 mod ring;
 mod stiff;
+mod sums;
 
 use c_program::USUAL;
 use measure::{Case, growth};
@@ -77,6 +80,9 @@ fn main() {
     }
     if wanted("chain") {
         c_program::report("The chain", "hand_ode.c", &[(32, 4_000), (1024, 100), (1_000_000, 1)], USUAL);
+    }
+    if wanted("sums") {
+        sums::report();
     }
     if wanted("network") {
         c_program::report("The network", "hand_network.c", &[(network::N, 40)], USUAL);

@@ -12,7 +12,7 @@ use crate::measure::{Case, Explicit, Forces, KickDriftKick, Runner, generated, g
     },
     embedding = [DeltaPlus, Verlet],
 )]
-struct SineGordon {
+pub(crate) struct SineGordon {
     k: f64,
 }
 
@@ -33,11 +33,11 @@ struct Bathed {
     kt: f64,
 }
 
-const H: f64 = 0.05;
+pub(crate) const H: f64 = 0.05;
 static BATHED: Bathed = Bathed { k: 1.0, gamma: 1.0, kt: 0.5 };
-static RING: SineGordon = SineGordon { k: 1.0 };
+pub(crate) static RING: SineGordon = SineGordon { k: 1.0 };
 
-fn wave(n: usize) -> Vec<f64> {
+pub(crate) fn wave(n: usize) -> Vec<f64> {
     (0..n).map(|i| 1.0 + 0.3 * (std::f64::consts::TAU * i as f64 / n as f64).sin()).collect()
 }
 

@@ -5,9 +5,11 @@
 //! compared but for equality.
 
 use wzvi::error::{ConfigError, Error};
+use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 use wzvi::simulate::Simulation;
+use wzvi::system::{At, Scheme, SchemeOf};
 
 use crate::lattice::Torus;
 use crate::one_by_one::{H, check, check_others, check_scheme, numbers};
@@ -195,6 +197,10 @@ struct Shaken {
     kt: f64,
 }
 
+/// Particles without forces.
+#[hamiltonian(drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() + 0.0 * q[0], embedding = [DeltaPlus, DeltaMinus, Verlet])]
+struct Free;
+
 /// On how many threads besides one.
 const THREADS: [usize; 2] = [2, 5];
 
@@ -259,6 +265,74 @@ fn chains_in_baths_have_the_bits_of_one_pass() {
         check_scheme::<Baoab, _>(&shaken, &start, H, "shaken, Baoab");
         check_scheme::<Obabo, _>(&shaken, &start, H, "shaken, Obabo");
     }
+}
+
+/// Steps with compensated sums on several threads, and number by number in one pass: equal bits, after a step that fails, too.
+fn check_compensated<E, S: Discretized<E, Vector = DVector<f64>>>(system: &S, n: usize, what: &str) {
+    type One = Lanes<1>;
+    let alone = |list: &[f64]| -> Vec<One> { list.iter().map(|&x| One::new([x])).collect() };
+    let (q, p) = (numbers(n, 0.2), numbers(n, 1.1));
+    let (mut own_q, mut own_p, prepared) = (alone(&q), alone(&p), system.prepare(H).unwrap());
+    let mut memory = <SchemeOf<S, E> as Scheme<S>>::Memory::<One>::default();
+    let mut carry = <SchemeOf<S, E> as Scheme<S>>::Compensated::<One>::default();
+    let stepper = |threads| system.stepper::<E>(H).unwrap().compensated().threads(threads).unwrap();
+    let mut runs = [1, 2, 5].map(|threads| (stepper(threads), State::new(q.clone(), p.clone())));
+    for step in 0..6 {
+        let dw: Vec<f64> =
+            numbers(system.increments(n), 0.7 * f64::from(step)).iter().map(|x| 0.1 * x).collect();
+        let (own_dw, t) = (alone(&dw), H * f64::from(step));
+        let at = At { t, h: H, q: &mut own_q[..], p: &mut own_p[..], dw: &own_dw };
+        SchemeOf::<S, E>::advance::<f64, One, _, false>(system, &prepared, at, &mut memory, &mut carry)
+            .unwrap();
+        for (stepper, state) in &mut runs {
+            // Too much for the kicks; in a bath it is finite.
+            if system.noises() == dw.len() && !dw.is_empty() {
+                assert!(stepper.step(state, &vec![1e308; dw.len()]).is_err(), "{what}");
+            }
+            stepper.step(state, &dw).unwrap();
+            for (i, (a, b)) in state.q.iter().chain(&state.p).zip(own_q.iter().chain(&own_p)).enumerate() {
+                assert_eq!(a.to_bits(), b[0].to_bits(), "{what}: number {i} of {n} after step {step}");
+            }
+        }
+        let exchanged: Vec<_> = runs.iter().map(|(stepper, _)| stepper.exchanged()).collect();
+        assert!(exchanged.iter().all(|of| *of == exchanged[0]), "{what}: {exchanged:?}");
+    }
+}
+
+#[test]
+fn compensated_steps_have_the_bits_of_one_pass() {
+    for n in [95, 96, 700, 1500] {
+        check_compensated::<Verlet, _>(&Chain { beta: 0.25 }, n, "chain, Verlet");
+        check_compensated::<Composed<Verlet, Yoshida4>, _>(&Chain { beta: 0.25 }, n, "chain, Yoshida4");
+        check_compensated::<Verlet, _>(&SineGordon { k: 0.7 }, n, "ring, Verlet");
+        let (mass, spring) = ((0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0));
+        check_compensated::<Verlet, _>(&Kicked { mass, spring }, n, "kicked, Verlet");
+        let (bathed, shaken) = (Bathed::of(n, 0.7), Shaken { sites: n, gamma: 0.8, kt: 0.5 });
+        check_compensated::<Baoab, _>(&bathed, n, "bathed, Baoab");
+        check_compensated::<Obabo, _>(&bathed, n, "bathed, Obabo");
+        check_compensated::<Baoab, _>(&shaken, n, "shaken, Baoab");
+    }
+}
+
+/// Free particles lose a tenth of a rounding unit in each step: plain sums stay where they are.
+#[test]
+fn compensated_steps_add_what_rounding_takes() {
+    fn check<E>()
+    where
+        Free: Discretized<E, Vector = DVector<f64>>,
+    {
+        for n in [2, 96, 1500] {
+            let (mut state, p) = (State::new(vec![1.0; n], vec![0.1 * f64::EPSILON; n]), f64::EPSILON);
+            let mut stepper = Free.stepper::<E>(1.0).unwrap().compensated();
+            for _ in 0..1000 {
+                stepper.step(&mut state, &[]).unwrap();
+            }
+            assert!(state.q.iter().all(|q| (q - 1.0 - 100.0 * p).abs() <= 0.5 * p), "{n}: {:e}", state.q[0]);
+        }
+    }
+    check::<DeltaPlus>();
+    check::<DeltaMinus>();
+    check::<Verlet>();
 }
 
 /// Without a potential the heat is all that the energy gains.

@@ -24,6 +24,39 @@ struct Wall {
     stiffness: f64,
 }
 
+/// Masses that fly freely, the first one to a wall so hard that `Verlet` does not resolve it.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (0..1).map(|i| if q[i] > 0.0 { 0.5 * stiffness * q[i] * q[i] } else { 0.0 }).sum::<f64>()
+    },
+    embedding = Verlet,
+)]
+struct Flight {
+    stiffness: f64,
+}
+
+/// The step of the wall changes the energy for good. A system of any size is refused from 80 steps behind it on: 64 of them, and where the tests of these
+/// begin.
+#[test]
+fn an_energy_that_changes_shortly_before_the_end_is_found() {
+    let flight = Flight { stiffness: 100.0 };
+    for n in [3, 200] {
+        for behind in [80, 100, 120, 150, 190] {
+            let mut p = vec![0.0; n];
+            p[0] = 1.0;
+            let mut q = vec![0.0; n];
+            // The wall after 500 steps of 0.19.
+            q[0] = -0.19 * 500.0 + 0.04;
+            let run = flight.simulate::<Verlet>(0.19).start(State::new(q, p)).steps(500 + behind);
+            let Err(wzvi::Error::Step(error)) = run.run() else {
+                panic!("{n} masses, {behind} steps after the wall: nothing found");
+            };
+            assert!(matches!(error.cause, StepFailure::Unresolved { .. }), "{error}");
+        }
+    }
+}
+
 /// The envelope of the alternating mode, `4 / (ω h²)`, is at least 1.26 up to k = 1e9, above the angular velocity 0.96:
 /// the run is bounded, with `(h v)² / 8 = 1.2e-5` in the length. At k = 1e9 the energy of the nodes is off by a ninth of the mean of `p · dq/dt`,
 /// which a watched run refuses.

@@ -23,6 +23,10 @@ pub trait Carry<S>: Clone + Debug + Default + Numbers {
     fn add(base: S, increment: S, carried: S) -> (S, S);
     /// Keeps the rounding errors of a step that succeeded.
     fn keep(&mut self, coordinates: &[S], momenta: &[S]);
+    /// The carried parts of all coordinates and of all momenta, `length` each; empty for plain sums.
+    fn lists(&mut self, length: usize) -> [&[S]; 2];
+    /// As [`Carry::keep`], in exchange for those of the step before. Only numbers that are `f64` come so.
+    fn exchange(&mut self, new: [&mut Vec<f64>; 2]);
 }
 
 /// Plain sums.
@@ -46,6 +50,12 @@ impl<S: Scalar> Carry<S> for Plain {
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn keep(&mut self, _coordinates: &[S], _momenta: &[S]) {}
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lists(&mut self, _length: usize) -> [&[S]; 2] {
+        [&[]; 2]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn exchange(&mut self, _new: [&mut Vec<f64>; 2]) {}
 }
 
 impl Numbers for Plain {
@@ -107,6 +117,17 @@ impl<S: Scalar, H: Shape> Carry<S> for Compensated<S, H> {
         for (carried, lost) in self.momenta.as_mut().iter_mut().zip(momenta) {
             *carried = *lost;
         }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lists(&mut self, length: usize) -> [&[S]; 2] {
+        fit::<S, H>(&mut self.coordinates, length);
+        fit::<S, H>(&mut self.momenta, length);
+        [self.coordinates.as_ref(), self.momenta.as_ref()]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn exchange(&mut self, [coordinates, momenta]: [&mut Vec<f64>; 2]) {
+        H::exchange(&mut self.coordinates, coordinates);
+        H::exchange(&mut self.momenta, momenta);
     }
 }
 

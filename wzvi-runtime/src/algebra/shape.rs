@@ -1,7 +1,10 @@
 //! Lists of one entry per degree of freedom: arrays if their number is known at compile time,
 //! else vectors.
 
+use std::any::Any;
 use std::fmt::Debug;
+
+use crate::algebra::scalar::Scalar;
 
 /// The type of the lists of a system.
 pub trait Shape: Debug + Clone + Copy + Default + 'static {
@@ -19,6 +22,10 @@ pub trait Shape: Debug + Clone + Copy + Default + 'static {
     fn lend<T>(room: &mut T, new: T) -> T {
         if Self::IS_FIXED { new } else { std::mem::replace(room, new) }
     }
+
+    /// Replaces the numbers of a list by those of a vector of the same length, which may take the old ones in exchange. Only numbers that
+    /// are `f64` come so.
+    fn exchange<S: Scalar>(list: &mut Self::Of<S>, new: &mut Vec<f64>);
 
     /// Returns the lists to `room`.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -41,6 +48,12 @@ impl<const D: usize> Shape for Fixed<D> {
     fn list<T: Copy + Debug>(_: usize, fill: T) -> [T; D] {
         [fill; D]
     }
+
+    fn exchange<S: Scalar>(list: &mut [S; D], new: &mut Vec<f64>) {
+        if let Some(list) = S::plain_mut(list) {
+            list.copy_from_slice(new);
+        }
+    }
 }
 
 /// Vectors.
@@ -54,5 +67,11 @@ impl Shape for Dynamic {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn list<T: Copy + Debug>(length: usize, fill: T) -> Vec<T> {
         vec![fill; length]
+    }
+
+    fn exchange<S: Scalar>(list: &mut Vec<S>, new: &mut Vec<f64>) {
+        if let Some(list) = (list as &mut dyn Any).downcast_mut() {
+            std::mem::swap(list, new);
+        }
     }
 }

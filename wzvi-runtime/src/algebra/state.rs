@@ -4,6 +4,7 @@ use std::fmt::{self, Debug};
 
 use nalgebra::{DVector, SVector};
 
+use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::ground::digits::Brief;
 
 /// A vector of coordinates: `nalgebra::SVector<f64, D>` or `nalgebra::DVector<f64>`.
@@ -227,15 +228,31 @@ pub(crate) fn copy<V: Vector>(into: &mut V, from: &V) {
     }
 }
 
-/// Whether all numbers are equal. No branch ends the loop, so that it is vectorised.
+/// From so many numbers on a comparison takes longer than the choice of its instructions.
+const LONG: usize = 64;
+
+/// Whether all numbers are equal.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn are_equal<V: Vector>(a: &V, b: &V) -> bool {
-    let (a, b) = (a.components(), b.components());
-    let mut is_same = a.len() == b.len();
-    for (a, b) in a.iter().zip(b) {
-        is_same &= a == b;
+    let lists = AreEqual(a.components(), b.components());
+    if lists.0.len() < LONG { lists.run::<1, 1>() } else { InstructionSet::best().run(lists) }
+}
+
+/// Compares two lists. No branch ends the loop, so that it is vectorised.
+struct AreEqual<'a>(&'a [f64], &'a [f64]);
+
+impl Kernel for AreEqual<'_> {
+    type Output = bool;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<const L: usize, const HALF: usize>(self) -> bool {
+        let Self(a, b) = self;
+        let mut is_same = a.len() == b.len();
+        for (a, b) in a.iter().zip(b) {
+            is_same &= a == b;
+        }
+        is_same
     }
-    is_same
 }
 
 /// Copies a state without allocating, unless its length changes.

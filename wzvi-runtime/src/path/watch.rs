@@ -30,7 +30,7 @@
 //!
 //! As long as the last test found nothing, `H` itself is compared with the reference first, and `E_h` is computed only where `H` is off by more than `A/10`: a run
 //! that keeps `H` is no wrong one. A test evaluates the energy site by site, which costs several steps that go window by window. In a system of 96
-//! degrees of freedom or more, one step in 64 is tested after the first 64 steps, until one is off, unless its steps may be halved or its energy may jump.
+//! degrees of freedom or more, one step in 64 is tested after the first 64 steps and the one 64 steps before the end, until one is off, unless its steps may be halved or its energy may jump.
 //! A run that is not monitored computes no energy; if its steps may be halved, it adds up `A`, which decides whether halves agree.
 //!
 //! The tested step is not always the same one of eight: a motion whose period is a multiple of eight steps would have the same phase in each test.
@@ -123,6 +123,8 @@ pub(crate) struct Watch<V> {
     is_of_energy: bool,
     /// Whether a large system is tested rarely as long as its energy is right.
     is_sparing: bool,
+    /// The steps of the run, if they are known.
+    end: u64,
     suspected: u64,
     /// `E_h` at the start: the least and the largest of the first looks where a scheme keeps it nearly.
     band: [f64; 2],
@@ -156,12 +158,13 @@ impl<V> Default for Watch<V> {
         let recent = [0.0; SPAN];
         let (band, motion, room) = ([0.0; 2], Motion::default(), None);
         let (next, steps, is_of_energy, suspected, off) = (u64::MAX, None, false, 0, 0.0);
-        let (is_sparing, follows_jumps, last) = (false, false, None);
+        let (is_sparing, end, follows_jumps, last) = (false, u64::MAX, false, None);
         Self {
             next,
             steps,
             is_of_energy,
             is_sparing,
+            end,
             suspected,
             band,
             motion,
@@ -183,6 +186,11 @@ impl<V: Vector> Watch<V> {
         let (follows_jumps, is_sparing) =
             (is_of_energy && may_jump::<H, E>(), !may_halve && !may_jump::<H, E>());
         Self { next, is_of_energy, is_sparing, follows_jumps, ..Self::default() }
+    }
+
+    /// The number of steps of the run: 64 steps before it ends, a large system is tested too, as a path of an ensemble is.
+    pub(crate) fn ends_after(&mut self, steps: u64) {
+        self.end = steps;
     }
 
     /// For a path of an ensemble, of so many steps; deviations are refused. It is tested at the start, then at eight times the step of the last test, and 64
@@ -408,7 +416,10 @@ impl<V: Vector> Watch<V> {
         match self.steps.map(|steps| steps.saturating_sub(TAIL)) {
             Some(last) if !is_soon && step < last => last.min(TAIL.max(step.saturating_mul(8))),
             Some(_) if !is_soon => u64::MAX,
-            None if !is_soon && self.is_sparing && is_large && step >= TAIL => next_rare_look(step),
+            None if !is_soon && self.is_sparing && is_large && step >= TAIL => {
+                let last = self.end.saturating_sub(TAIL);
+                if step < last { next_rare_look(step).min(last) } else { next_rare_look(step) }
+            }
             _ => next_look(step),
         }
     }

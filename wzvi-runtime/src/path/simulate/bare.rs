@@ -51,8 +51,9 @@ where
         } = setup;
         // Nothing is shown, and steps are not in lanes.
         let Execution { threads, stop, handle, .. } = execution;
-        let whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
+        let mut whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
+        whole.watch.ends_after(grid.whole());
         let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
         let unused = [
             ("`observe`", !observables.is_empty()),

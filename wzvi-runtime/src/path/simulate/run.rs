@@ -43,6 +43,7 @@ where
         let threads = Threads::asked(threads)?;
         let mut stepper = Subdivision::<H, E, S::Carry>::new(system, h, retry, setup.is_watched, threads)?;
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
+        stepper.watch.ends_after(grid.whole());
         let recording = setup.recorded.checked(1, &grid)?;
         let processes = system.increments(start.q.components().len());
         let mut noise = grid.prepared(noise, &H::PLAN, processes, retry)?;

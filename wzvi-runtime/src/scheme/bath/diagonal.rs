@@ -6,7 +6,7 @@ use std::array::from_fn;
 use std::ops::{Mul, Range};
 
 use super::relaxation::{Momenta, gain};
-use crate::algebra::carry::Carry;
+use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
 use crate::error::StepFailure;
@@ -68,19 +68,21 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
             let places = start..(start + BLOCK).min(degrees);
             let drift = drift.map(|time| (time, &mut q[places.clone()]));
             let p = &mut p[places.clone()];
-            heat = heat + self.block(places, normals, drift, p);
+            heat = heat + self.block::<S, Plain>(places, normals, drift, p, &mut []);
         }
         Ok(heat)
     }
 
-    /// Moves the momenta of at most one block, with their coordinates; returns the heat.
+    /// Moves the momenta of at most one block, with their coordinates; returns the heat. `lost` is what rounding took from the momenta, if sums are
+    /// compensated; no coordinates are then given.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn block<S: Scalar + Mul<N, Output = S>>(
+    pub(super) fn block<S: Scalar + Mul<N, Output = S>, C: Carry<S>>(
         &self,
         places: Range<usize>,
         normals: &[S],
         drift: Option<(N, &mut [S])>,
         p: &mut [S],
+        lost: &mut [S],
     ) -> S {
         let zero = S::from_f64(0.0);
         let len = places.len().min(BLOCK);
@@ -93,6 +95,15 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
         let mut gains = [zero; BLOCK];
         let gains = &mut gains[..len];
         match drift {
+            None if C::CARRIES => {
+                let lost = &mut lost[..len];
+                for i in 0..len {
+                    let before = p[i];
+                    (p[i], lost[i]) =
+                        C::add(before * decay[i], normals[i] * deviation[i], lost[i] * decay[i]);
+                    gains[i] = gain(before, p[i], inverse_mass[i]);
+                }
+            }
             None => {
                 for i in 0..len {
                     let before = p[i];

@@ -8,7 +8,7 @@ use super::diagonal::{BLOCK, Diagonal};
 use super::modes::Decay;
 use super::relaxation::{Momenta, Room};
 use super::{Damped, Relaxation};
-use crate::algebra::carry::Carry;
+use crate::algebra::carry::{Carry, Compensation, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Mask as _, Over, Scalar};
@@ -280,21 +280,30 @@ pub(crate) struct ByPlace<'m> {
 }
 
 impl ByPlace<'_> {
-    /// Applies a part to `places`, from the first of a block on, between two drifts if coordinates are given.
+    /// Applies a part to `places`, from the first of a block on, between two drifts if coordinates are given. `lost` is what rounding took from
+    /// the momenta, if it `CARRIES` that.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn apply(
+    pub(crate) fn apply<const CARRIES: bool>(
         &self,
         part: usize,
         places: Range<usize>,
         mut drift: Option<(f64, &mut [f64])>,
         p: &mut [f64],
+        lost: &mut [f64],
     ) {
         let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
         let heats = self.blocks[places.start / BLOCK * self.parts..].chunks(self.parts);
         for (block, (p, heats)) in p.chunks_mut(BLOCK).zip(heats).enumerate() {
             let (from, len) = (block * BLOCK, p.len());
             let drift = drift.as_mut().map(|(time, q)| (*time, &mut q[from..from + len]));
-            let heat = self.law.block(places.start + from..places.start + from + len, normals, drift, p);
+            let places = places.start + from..places.start + from + len;
+            let heat = match CARRIES {
+                true => {
+                    let lost = &mut lost[from..from + len];
+                    self.law.block::<_, Compensation<f64, 1>>(places, normals, drift, p, lost)
+                }
+                false => self.law.block::<_, Plain>(places, normals, drift, p, &mut []),
+            };
             heats[part].store(heat.to_bits(), Ordering::Relaxed);
         }
     }

@@ -157,19 +157,20 @@ where
         if !fits(system, degrees) {
             system.check(degrees)?;
         }
-        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !C::CARRIES }
+        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN }
             && takes_windows::<F>(degrees)
             && let (Some(own_q), Some(own_p), Some(own)) =
                 (S::plain_mut(q.list()), S::plain_mut(p.list()), S::plain(dw))
         {
             let (t, h) = (t.lane(0), h.lane(0));
             let (stretch, of_noises) = (prepared.stretch.lane(0), &own[..noises.min(own.len())]);
-            let givens = Givens { t, h, stretch, q: own_q, p: own_p, dw: of_noises };
+            let lost = carry.lists(degrees).map(|lost| S::plain(lost).unwrap_or_default());
+            let givens = Givens { t, h, stretch, q: own_q, p: own_p, lost, dw: of_noises };
             if let Some(taken) =
-                in_windows::<F, K, S, W>(system, prepared, givens, dw, &mut memory.windows, bath)
+                in_windows::<F, K, S, C, W>(system, prepared, givens, dw, &mut memory.windows, bath)
             {
                 let (taken, heat) = taken?;
-                taken.store(q, p);
+                taken.store(q, p, carry);
                 bath.heat = S::from_f64(heat);
                 return Ok(Effort::fast(0));
             }
@@ -208,7 +209,7 @@ fn shortened<T: Elements, K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> R
 
 /// A step window by window; returns its heat, or `None` if friction and masses are not lists.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn in_windows<'m, F: Field, K: Constant, S: Over<K>, W: Letters>(
+fn in_windows<'m, F: Field, K: Constant, S: Over<K>, C: Carry<S>, W: Letters>(
     system: &F,
     prepared: &'m Prepared<Of<F::Parameters, K>, K>,
     givens: Givens<'_>,
@@ -223,8 +224,11 @@ fn in_windows<'m, F: Field, K: Constant, S: Over<K>, W: Letters>(
         Err(failure) => return Some(Err(failure)),
     };
     let relaxing = driven.by_place(W::SPELLING.parts, degrees)?;
-    let Stages(list) = if givens.dw.is_empty() { &prepared.joined } else { &prepared.apart };
-    let taken = windows.advance::<F, true>(system, list, givens, Some(relaxing));
+    let Stages(list) = if givens.dw.is_empty() && !C::CARRIES { &prepared.joined } else { &prepared.apart };
+    let taken = match C::CARRIES {
+        true => windows.advance::<F, true, true>(system, list, givens, Some(relaxing)),
+        false => windows.advance::<F, true, false>(system, list, givens, Some(relaxing)),
+    };
     Some(taken.map(|taken| (taken, relaxing.heat())))
 }
 

@@ -85,14 +85,18 @@ where
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !C::CARRIES && !SQUARES }
+        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !SQUARES }
             && takes_windows::<F>(q.list().len())
             && let (Some(own_q), Some(own_p), Some(dw)) =
                 (S::plain_mut(q.list()), S::plain_mut(p.list()), S::plain(dw))
         {
-            let givens = Givens { t: t.lane(0), h: h.lane(0), stretch: 1.0, q: own_q, p: own_p, dw };
-            let taken = memory.windows.advance::<F, false>(system, stages, givens, None)?;
-            taken.store(q, p);
+            let lost = carry.lists(own_q.len()).map(|lost| S::plain(lost).unwrap_or_default());
+            let givens = Givens { t: t.lane(0), h: h.lane(0), stretch: 1.0, q: own_q, p: own_p, lost, dw };
+            let taken = match C::CARRIES {
+                true => memory.windows.advance::<F, false, true>(system, stages, givens, None)?,
+                false => memory.windows.advance::<F, false, false>(system, stages, givens, None)?,
+            };
+            taken.store(q, p, carry);
             return Ok(Effort::fast(0));
         }
         let flows = FlowsOf::<_, _, SQUARES> { system, parameters, along, t, h, stretch: K::from_f64(1.0) };
@@ -191,8 +195,14 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         let &Self { system, parameters, t, .. } = self;
         // No pairs add to the velocities.
         let columns = &mut PairColumns::default();
-        if Self::IN_PLACE && !C::CARRIES {
-            return add_slopes(system, self.flow(Origin { t, h }, dw), p, Slopes::BY_MOMENTA, q, columns);
+        if Self::IN_PLACE {
+            let flow = self.flow(Origin { t, h }, dw);
+            if !C::CARRIES {
+                return add_slopes(system, flow, p, Slopes::BY_MOMENTA, q, columns);
+            }
+            velocity.fill(nothing());
+            add_slopes(system, flow, p, Slopes::BY_MOMENTA, velocity, columns);
+            return add::<S, C>(q, velocity, lost);
         }
         let [t, h] = [t, h].map(S::constant);
         let (at, into) = (([t, h], [&*q, p], dw), [&mut [][..], &mut *velocity]);

@@ -54,6 +54,8 @@ pub(crate) struct Givens<'a> {
     pub(crate) stretch: f64,
     pub(crate) q: &'a [f64],
     pub(crate) p: &'a [f64],
+    /// What rounding took from both before; empty for plain sums.
+    pub(crate) lost: [&'a [f64]; 2],
     pub(crate) dw: &'a [f64],
 }
 
@@ -74,21 +76,22 @@ impl Memory {
     /// # Errors
     /// If sizes do not fit, or the new state is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn advance<'m, F: Field, const RELAXES: bool>(
+    pub(crate) fn advance<'m, F: Field, const RELAXES: bool, const CARRIES: bool>(
         &'m mut self,
         system: &F,
         stages: &[Stage<Act>],
         givens: Givens<'_>,
         relaxing: Option<ByPlace<'_>>,
     ) -> Result<Taken<'m>, StepFailure> {
-        let Givens { t, h, stretch, q, p, dw } = givens;
+        let Givens { t, h, stretch, q, p, lost, dw } = givens;
         let degrees = q.len();
         debug_assert_eq!(relaxing.is_some(), RELAXES, "O parts have a bath");
         check_lengths(system, self.plan.degrees() == Some(degrees), [degrees, p.len(), dw.len()])?;
         self.scale(stages, dw);
         let Self { plan, scaled } = self;
         let reads_time = F::FORCE_READS_TIME;
-        let mut word = Parts::<RELAXES> { t, h, stretch, stages, scaled, reads_time, relaxing };
+        let mut word =
+            Parts::<RELAXES, CARRIES> { t, h, stretch, stages, scaled, reads_time, lost, relaxing };
         let missing = Err(StepFailure::Internal(StepPromise::Windows));
         system.take_windows(&mut word, q, p, plan).unwrap_or(missing)
     }
@@ -109,19 +112,20 @@ impl Memory {
     }
 }
 
-/// The parts of a step: kicks, drifts and, if it `RELAXES`, O parts.
+/// The parts of a step: kicks, drifts and, if it `RELAXES`, O parts; with compensated sums if it `CARRIES`.
 #[derive(Clone, Copy)]
-struct Parts<'a, const RELAXES: bool> {
+struct Parts<'a, const RELAXES: bool, const CARRIES: bool> {
     t: f64,
     h: f64,
     stretch: f64,
     stages: &'a [Stage<Act>],
     scaled: &'a [Scaled],
     reads_time: bool,
+    lost: [&'a [f64]; 2],
     relaxing: Option<ByPlace<'a>>,
 }
 
-impl<const RELAXES: bool> Parts<'_, RELAXES> {
+impl<const RELAXES: bool, const CARRIES: bool> Parts<'_, RELAXES, CARRIES> {
     /// The flow of a kick or a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn flow(&self, number: usize) -> Flow<'_, f64> {
@@ -131,8 +135,9 @@ impl<const RELAXES: bool> Parts<'_, RELAXES> {
     }
 }
 
-impl<const RELAXES: bool> Word for Parts<'_, RELAXES> {
+impl<const RELAXES: bool, const CARRIES: bool> Word for Parts<'_, RELAXES, CARRIES> {
     const CHANGES: bool = RELAXES;
+    const CARRIES: bool = CARRIES;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
@@ -170,9 +175,14 @@ impl<const RELAXES: bool> Word for Parts<'_, RELAXES> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64]) {
+    fn lost(&self) -> [&[f64]; 2] {
+        self.lost
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64], lost: &mut [f64]) {
         if let (Act::Relax(part), Some(relaxing)) = (self.stages[number].act, &self.relaxing) {
-            relaxing.apply(part, places, None, p);
+            relaxing.apply::<CARRIES>(part, places, None, p, lost);
         }
     }
 
@@ -180,7 +190,7 @@ impl<const RELAXES: bool> Word for Parts<'_, RELAXES> {
     fn change_state(&self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
         let &Stage { act, weight, .. } = &self.stages[number];
         if let (Act::RelaxBetween(part), Some(relaxing)) = (act, &self.relaxing) {
-            relaxing.apply(part, places, Some((self.stretch * weight * self.h, q)), p);
+            relaxing.apply::<false>(part, places, Some((self.stretch * weight * self.h, q)), p, &mut []);
         }
     }
 }

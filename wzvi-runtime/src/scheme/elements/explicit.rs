@@ -64,14 +64,14 @@ fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>>(
         && takes_windows(scheme, q.len())
         && let (Some(known_q), Some(known_p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
     {
-        if !C::CARRIES {
-            let (q, p) = (known_q, known_p);
-            let [t, h] = [t, h].map(|constant| constant.lane(0));
-            let step = Step { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
-            step.advance_windows(&mut memory.plan)?.store(to_q, to_p);
-            return Ok(Effort::fast(0));
-        }
-        memory.make_room(scheme, q.len());
+        let (q, p, plan) = (known_q, known_p, &mut memory.plan);
+        let [t, h] = [t, h].map(|constant| constant.lane(0));
+        let lost = carry.lists(q.len()).map(|lost| S::plain(lost).unwrap_or_default());
+        let step = Step { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
+        let taken =
+            if C::CARRIES { step.advance_compensated(lost, plan) } else { step.advance_windows(plan) };
+        taken?.store(to_q, to_p, carry);
+        return Ok(Effort::fast(0));
     }
     let step = Step { system, scheme, t, h, parameters, q, p, dw, increment: None };
     let mut lists = memory.work.lists(scheme, step.degrees());

@@ -429,13 +429,6 @@ impl<S: Scalar> Memory<S> {
         Ok(())
     }
 
-    /// Allocates for a step that does not go window by window.
-    pub(super) fn make_room(&mut self, scheme: &Quadrature, degrees: usize) {
-        if !self.work.fits(scheme, degrees) {
-            self.work = Work::new(scheme, degrees);
-        }
-    }
-
     fn allocate<H: Elements>(&mut self, system: &H, scheme: &Quadrature, degrees: usize) {
         let has_room_in_windows =
             H::FACTS.has_windows && S::plain(&[]).is_some() && takes_windows(scheme, degrees);

@@ -34,7 +34,9 @@ use portions::{Found, Part, on_threads};
 use turns::{Job, Share, Taking};
 
 use super::{Elements, Slopes};
+use crate::algebra::carry::Carry;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+use crate::algebra::scalar::Scalar;
 use crate::algebra::threads::Threads;
 use crate::error::StepFailure;
 use crate::scheme::system::Movable;
@@ -102,6 +104,8 @@ struct Plan {
     /// Coordinates after the rounds with even and with odd numbers.
     coordinates: [Vec<f64>; 2],
     momenta: Vec<f64>,
+    /// What rounding took from coordinates and momenta; empty for plain sums.
+    lost: [Vec<f64>; 2],
     kept: Kept,
 }
 
@@ -151,7 +155,7 @@ impl Plan {
     /// Records the places that the elements of a system add to, each element once.
     #[cold]
     #[inline(never)]
-    fn new<H: Elements + Sync>(system: &H, word: &impl Word, [q, p]: [&[f64]; 2], threads: Threads) -> Self {
+    fn new<H: Elements + Sync, W: Word>(system: &H, word: &W, [q, p]: [&[f64]; 2], threads: Threads) -> Self {
         let (degrees, recorder) = (q.len(), Recorder::default());
         for (state, wanted) in [(q, Slopes::BY_COORDINATES), (p, Slopes::BY_MOMENTA)] {
             let adds = |&number: &usize| match word.kind(number) {
@@ -172,6 +176,7 @@ impl Plan {
         Self {
             coordinates: [list(true), list(rounds.len() > 2)],
             momenta: list(true),
+            lost: [list(W::CARRIES), list(W::CARRIES)],
             kept: Kept { origin: None, q: list(is_kept), force: list(is_kept) },
             windows,
             rounds,
@@ -196,8 +201,11 @@ impl Plan {
     }
 
     /// Whether the plan is for the parts of `word` and this number of degrees of freedom.
-    fn fits(&self, word: &impl Word, degrees: usize) -> bool {
-        self.degrees() == degrees && self.rounds.last().is_some_and(|last| last.end == word.count())
+    fn fits<W: Word>(&self, word: &W, degrees: usize) -> bool {
+        let carries = !self.lost[0].is_empty();
+        self.degrees() == degrees
+            && carries == W::CARRIES
+            && self.rounds.last().is_some_and(|last| last.end == word.count())
     }
 
     /// The index of the list with the new coordinates: only the last round may be without a drift.
@@ -222,9 +230,10 @@ impl Plan {
         &'a mut self,
         [q, p]: [&'a [f64]; 2],
         reuses: bool,
-    ) -> (Taking<'a>, &'a mut [Share], &'a mut Share, [&'a mut [f64]; 5]) {
-        let Self { windows, rounds, shares, rest, coordinates: [even, odd], momenta, kept, .. } = self;
-        let lists = [even, odd, momenta, &mut kept.q, &mut kept.force].map(Vec::as_mut_slice);
+    ) -> (Taking<'a>, &'a mut [Share], &'a mut Share, [&'a mut [f64]; 7]) {
+        let Self { windows, rounds, shares, rest, coordinates: [even, odd], momenta, lost, kept, .. } = self;
+        let [lost_q, lost_p] = lost;
+        let lists = [even, odd, momenta, &mut kept.q, &mut kept.force, lost_q, lost_p].map(Vec::as_mut_slice);
         (Taking { windows, rounds, q, p, reuses }, shares, rest, lists)
     }
 
@@ -270,13 +279,20 @@ fn lend<'a, const N: usize>(lists: &'a mut [&mut [f64]; N]) -> [&'a mut [f64]; N
 pub struct Taken<'p> {
     q: &'p mut Vec<f64>,
     p: &'p mut Vec<f64>,
+    lost: &'p mut [Vec<f64>; 2],
 }
 
 impl Taken<'_> {
-    /// Moves lists or vectors to the new state.
-    pub(crate) fn store<S>(self, q: &mut (impl Movable<S> + ?Sized), p: &mut (impl Movable<S> + ?Sized)) {
+    /// Moves lists or vectors to the new state, and keeps what rounding took from it.
+    pub(crate) fn store<S: Scalar, C: Carry<S>>(
+        self,
+        q: &mut (impl Movable<S> + ?Sized),
+        p: &mut (impl Movable<S> + ?Sized),
+        carry: &mut C,
+    ) {
         q.take(self.q);
         p.take(self.p);
+        carry.exchange(self.lost.each_mut());
     }
 }
 
@@ -305,5 +321,5 @@ fn advance<'p, H: Elements + Sync, W: Word>(
         plan.kept.origin = last.clone().find_map(|number| word.origin(number));
     }
     let last = plan.last(&word);
-    Ok(Taken { q: &mut plan.coordinates[last], p: &mut plan.momenta })
+    Ok(Taken { q: &mut plan.coordinates[last], p: &mut plan.momenta, lost: &mut plan.lost })
 }

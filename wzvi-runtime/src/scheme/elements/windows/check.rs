@@ -1,7 +1,17 @@
 //! Stores sums, and checks whether all of them are finite.
 
+use std::array::from_fn;
+
+use crate::algebra::carry::{Carry as _, Compensation};
+
+/// One compensated sum.
+type Sum = Compensation<f64, 1>;
+
 /// Number of lanes of the check.
 const BESIDE: usize = 16;
+
+/// Number of lanes of compensated sums, which use four registers for one of plain sums.
+const FEWER: usize = 8;
 
 /// Whether all numbers are finite: zero times any of them is zero.
 #[derive(Default)]
@@ -71,6 +81,58 @@ impl Check {
         self.0 = zeros;
         for (k, (into, &term)) in into_rest.iter_mut().zip(terms_rest).enumerate() {
             *into = sum(if IN_PLACE { *into } else { base_rest[k] }, term);
+        }
+        self.look(into_rest);
+    }
+
+    /// As [`Check::store`] of `base + term`, with compensated sums.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn store_compensated(
+        &mut self,
+        into: &mut [f64],
+        base: Option<&[f64]>,
+        terms: &[f64],
+        lost: &mut [f64],
+        term: impl Fn(f64) -> f64,
+    ) {
+        match base {
+            Some(base) => self.compensate::<false>(into, base, terms, lost, term),
+            None => self.compensate::<true>(into, &[], terms, lost, term),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn compensate<const IN_PLACE: bool>(
+        &mut self,
+        into: &mut [f64],
+        base: &[f64],
+        terms: &[f64],
+        lost: &mut [f64],
+        term: impl Fn(f64) -> f64,
+    ) {
+        let len = into.len();
+        let (base, terms) = (if IN_PLACE { base } else { &base[..len] }, &terms[..len]);
+        let (into, into_rest) = into.as_chunks_mut::<FEWER>();
+        let (lost, lost_rest) = lost[..len].as_chunks_mut::<FEWER>();
+        let ((base, base_rest), (terms, terms_rest)) =
+            (base.as_chunks::<FEWER>(), terms.as_chunks::<FEWER>());
+        let mut zeros = [0.0; FEWER];
+        for (k, ((into, lost), terms)) in into.iter_mut().zip(lost).zip(terms).enumerate() {
+            let (base, carried) = (if IN_PLACE { *into } else { base[k] }, *lost);
+            // Each operation on all numbers before the next one, so that they stay in vector registers.
+            let addend: [f64; FEWER] = from_fn(|i| term(terms[i]) + carried[i]);
+            let new: [f64; FEWER] = from_fn(|i| base[i] + addend[i]);
+            let taken_in: [f64; FEWER] = from_fn(|i| new[i] - base[i]);
+            let of_base: [f64; FEWER] = from_fn(|i| base[i] - (new[i] - taken_in[i]));
+            *lost = from_fn(|i| of_base[i] + (addend[i] - taken_in[i]));
+            *into = new;
+            for i in 0..FEWER {
+                zeros[i] += new[i] * 0.0;
+            }
+        }
+        self.look(&zeros);
+        for (k, ((into, lost), &number)) in into_rest.iter_mut().zip(lost_rest).zip(terms_rest).enumerate() {
+            (*into, *lost) = Sum::add(if IN_PLACE { *into } else { base_rest[k] }, term(number), *lost);
         }
         self.look(into_rest);
     }

@@ -40,6 +40,64 @@ impl<H: Elements + Sync> Step<'_, H, f64> {
     ) -> Result<Taken<'p>, StepFailure> {
         advance(self.system, self, [self.q, self.p], plan)
     }
+
+    /// The same with compensated sums, after steps that lost so much of coordinates and momenta. The velocities are those of the new momenta.
+    ///
+    /// # Errors
+    /// Those of [`Step::advance_windows`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::scheme::elements) fn advance_compensated<'p>(
+        self,
+        lost: [&[f64]; 2],
+        plan: &'p mut WindowPlan,
+    ) -> Result<Taken<'p>, StepFailure> {
+        advance(self.system, Compensated { step: self, lost }, [self.q, self.p], plan)
+    }
+}
+
+/// A step with compensated sums.
+struct Compensated<'s, H: Elements> {
+    step: Step<'s, H, f64>,
+    lost: [&'s [f64]; 2],
+}
+
+impl<H: Elements> Clone for Compensated<'_, H> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<H: Elements> Copy for Compensated<'_, H> {}
+
+impl<H: Elements + Sync> Word for Compensated<'_, H> {
+    const ADDS_TERMS: bool = false;
+    const CARRIES: bool = true;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn count(&self) -> usize {
+        self.step.count()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn kind(&self, number: usize) -> Move {
+        self.step.kind(number)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lost(&self) -> [&[f64]; 2] {
+        self.lost
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_slopes<G, T, V, A>(&self, system: &G, number: usize, state: &V, wanted: Slopes, into: &mut A)
+    where
+        G: Elements + Sync,
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
+        self.step.add_slopes::<G, T, V, A>(system, number, state, wanted, into);
+    }
 }
 
 impl<H: Elements + Sync> Word for Step<'_, H, f64> {

@@ -39,8 +39,8 @@ pub(super) struct Job<'a, H, W, T, const WHOLE: bool> {
     turns: &'a [Turn],
     sums: &'a mut [f64],
     /// The new state: coordinates after the rounds with even and with odd numbers, momenta, the coordinates at which the last force acts, and
-    /// the force.
-    part: Part<'a, 5>,
+    /// the force, and what rounding took from coordinates and from momenta.
+    part: Part<'a, 7>,
     numbers: PhantomData<fn() -> T>,
 }
 
@@ -50,7 +50,7 @@ impl<'a, H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Job<'a,
         system: &'a H,
         word: W,
         share: &'a mut Share,
-        part: Part<'a, 5>,
+        part: Part<'a, 7>,
     ) -> Self {
         let Portion { work: turns, sums, .. } = share;
         let first = sums[step.windows.margin()..].as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
@@ -68,7 +68,7 @@ impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for 
         let Self { step, system, word, turns, sums, .. } = self;
         let Taking { windows, rounds, q, p, reuses } = step;
         // The positions of lists are read again for each move; otherwise the compiler computes offsets for moves that never come.
-        let Part { first, lists: [even, odd, momenta, kept_q, kept_force] } = &mut part;
+        let Part { first, lists: [even, odd, momenta, kept_q, kept_force, lost_q, lost_p] } = &mut part;
         let (first, last) = (if WHOLE { 0 } else { *first }, rounds.len() - 1);
         let keeps = W::ADDS_TERMS && !kept_q.is_empty() && last > 0;
         let mut check = Check::default();
@@ -81,6 +81,11 @@ impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for 
                 round if round % 2 == 1 => (*even, &mut *odd),
                 _ => (*odd, &mut *even),
             };
+            if W::CARRIES && round == 0 {
+                let [of_q, of_p] = word.lost();
+                lost_q[own.clone()].copy_from_slice(&of_q[places.clone()]);
+                lost_p[own.clone()].copy_from_slice(&of_p[places.clone()]);
+            }
             let mut taken = OneTurn::<'_, H, W, WHOLE> {
                 system,
                 word: &word,
@@ -94,6 +99,8 @@ impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for 
                 },
                 to,
                 momenta,
+                lost_q,
+                lost_p,
                 sums,
                 base: (round == 0).then(|| &p[places.clone()]),
                 has_drifted: false,
@@ -137,6 +144,9 @@ struct OneTurn<'t, H, W, const WHOLE: bool> {
     from: Stretch<'t>,
     to: &'t mut [f64],
     momenta: &'t mut [f64],
+    /// What rounding took from coordinates and momenta, if sums are compensated.
+    lost_q: &'t mut [f64],
+    lost_p: &'t mut [f64],
     sums: &'t mut [f64],
     /// The momenta of the state, until new ones are stored.
     base: Option<&'t [f64]>,
@@ -163,17 +173,22 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick_again(&mut self, force: &[f64]) {
         let own = self.own();
-        let p = &mut self.momenta[own];
-        self.check.store(p, self.base.take(), force, |p, force| p + force);
+        let (p, base) = (&mut self.momenta[own.clone()], self.base.take());
+        if W::CARRIES {
+            return self.check.store_compensated(p, base, force, &mut self.lost_p[own], |force| force);
+        }
+        self.check.store(p, base, force, |p, force| p + force);
     }
 
     /// Adds forces to momenta; returns the sums of the window.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick<T: Number<f64>>(&mut self, number: usize, kick: Kick) -> &[f64] {
         let own = self.own();
-        let p = &mut self.momenta[own];
+        let p = &mut self.momenta[own.clone()];
         let mut into = match kick {
-            Kick::Terms if W::ADDS_TERMS => Window::onto(self.strip, self.sums, self.base.unwrap_or(p)),
+            Kick::Terms if W::ADDS_TERMS && !W::CARRIES => {
+                Window::onto(self.strip, self.sums, self.base.unwrap_or(p))
+            }
             _ => Window::empty(self.strip, self.sums),
         };
         let (system, word, wanted) = (self.system, self.word, Slopes::BY_COORDINATES);
@@ -182,6 +197,14 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
             false => word.add_slopes::<H, T, _, _>(system, number, &self.from, wanted, &mut into),
         }
         let (base, sums) = (self.base.take(), into.finish());
+        if W::CARRIES {
+            let lost = &mut self.lost_p[own];
+            match kick {
+                Kick::Plus | Kick::Terms => self.check.store_compensated(p, base, sums, lost, |sum| sum),
+                _ => self.check.store_compensated(p, base, sums, lost, |sum| 0.0 - sum),
+            }
+            return sums;
+        }
         match kick {
             Kick::Minus if !W::ADDS_TERMS => self.check.store(p, base, sums, |p, sum| p - sum),
             Kick::Plus if W::ADDS_TERMS => self.check.store(p, base, sums, |p, sum| p + sum),
@@ -195,10 +218,10 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn drift<T: Number<f64>>(&mut self, number: usize) {
         let own = self.own();
-        let Self { system, word, strip, first, from, to, momenta, has_drifted, .. } = self;
+        let Self { system, word, strip, first, from, to, momenta, lost_q, has_drifted, .. } = self;
         let wanted = Slopes::BY_MOMENTA;
         let stretch = &Stretch { numbers: momenta, first: *first, degrees: from.degrees };
-        if H::FACTS.has_one_velocity && !(W::CHANGES && *has_drifted) {
+        if H::FACTS.has_one_velocity && !(W::CHANGES && *has_drifted) && !W::CARRIES {
             let mut moved = Moved { strip: *strip, base: *from, next: to, first: *first };
             match WHOLE {
                 true => word.add_slopes::<H, T, _, _>(system, number, stretch.numbers, wanted, &mut moved),
@@ -207,8 +230,8 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
             self.check.look(&to[own]);
         } else {
             let base = (!*has_drifted).then(|| &from[strip.start..strip.end]);
-            let q = &mut to[own];
-            let mut into = match W::ADDS_TERMS {
+            let q = &mut to[own.clone()];
+            let mut into = match W::ADDS_TERMS && !W::CARRIES {
                 true => Window::onto(*strip, self.sums, base.unwrap_or(q)),
                 false => Window::empty(*strip, self.sums),
             };
@@ -218,6 +241,9 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
             }
             let sums = into.finish();
             match W::ADDS_TERMS {
+                _ if W::CARRIES => {
+                    self.check.store_compensated(q, base, sums, &mut lost_q[own], |sum| sum);
+                }
                 true => self.check.store(q, base, sums, |_, sum| sum),
                 false => self.check.store(q, base, sums, |q, sum| q + sum),
             }
@@ -228,8 +254,9 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&mut self, number: usize) {
         let own = self.own();
+        let lost = if W::CARRIES { &mut self.lost_p[own.clone()] } else { &mut [] };
         let p = &mut self.momenta[own];
-        self.word.change_momenta(number, self.strip.start..self.strip.end, p);
+        self.word.change_momenta(number, self.strip.start..self.strip.end, p, lost);
         self.check.look(p);
     }
 

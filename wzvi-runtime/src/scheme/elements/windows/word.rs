@@ -68,6 +68,8 @@ pub trait Word: Copy + Send + Sync {
     const ADDS_TERMS: bool = true;
     /// Whether there are parts other than kicks and drifts, and possibly several drifts between two kicks.
     const CHANGES: bool = false;
+    /// Whether sums are compensated, of kicks and drifts with `p + sum` and `q + sum` alone.
+    const CARRIES: bool = false;
 
     /// Number of parts.
     fn count(&self) -> usize;
@@ -90,10 +92,16 @@ pub trait Word: Copy + Send + Sync {
         V: Given<f64> + ?Sized,
         A: Sums<f64>;
 
-    /// Changes the momenta of some places one by one, and may be called again.
+    /// What rounding took from coordinates and from momenta before, if sums are compensated.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64]) {
-        let _ = (number, places, p);
+    fn lost(&self) -> [&[f64]; 2] {
+        [&[]; 2]
+    }
+
+    /// Changes the momenta of some places one by one, and what rounding took from them if sums are compensated; may be called again.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64], lost: &mut [f64]) {
+        let _ = (number, places, p, lost);
     }
 
     /// Changes coordinates and momenta of some places one by one, and may be called again.
