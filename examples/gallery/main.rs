@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     save(&folder, "kubo", kubo()?)?;
     save(&folder, "pendulum", pendulum()?)?;
     save(&folder, "henon_heiles", henon_heiles()?)?;
+    save(&folder, "chaos_map", chaos_map()?)?;
     save(&folder, "kepler", kepler()?)?;
     save(&folder, "eight", eight()?)?;
     save(&folder, "chain", chain()?)?;
@@ -81,6 +82,22 @@ fn henon_heiles() -> Drawn {
         let section = path.crossings().iter().map(|crossing| (crossing.state.q[1], crossing.state.p[1]));
         figure = figure.points(Look::FineDots, "", colour, section);
     }
+    Ok(figure)
+}
+
+/// The same section as a map of starts: islands of regular motion, where the mean of MEGNO is 2, in the chaotic sea.
+fn chaos_map() -> Drawn {
+    const ENERGY: f64 = 0.125;
+    const SIDE: usize = 400;
+    let place = |k: usize, from: f64, to: f64| from + (to - from) * (k as f64 + 0.5) / SIDE as f64;
+    let starts = (0..SIDE * SIDE).filter_map(|k| {
+        let (y, py) = (place(k / SIDE, -0.45, 0.7), place(k % SIDE, -0.5, 0.5));
+        let square = 2.0 * ENERGY - y * y - py * py + 2.0 * y * y * y / 3.0;
+        (square >= 0.0).then(|| State::new([0.0, y], [square.sqrt(), py]))
+    });
+    let map = HenonHeiles.ensemble::<Verlet>(0.1).starts_from(starts).until(1000.0).indicators()?;
+    let mut figure = map.plot().megno("y", "py")?;
+    figure.title = "Hénon-Heiles at E = 1/8: mean of MEGNO to t = 1000".into();
     Ok(figure)
 }
 

@@ -4,6 +4,7 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod alone;
+mod chaos;
 mod checkpoint;
 mod continued;
 mod control;

@@ -17,6 +17,7 @@
 //! [`Statistics::failures`], and the other paths continue. [`Ensemble::replay`] runs a single path again.
 
 mod account;
+mod chaos;
 mod checks;
 mod chunk;
 #[cfg(feature = "mpi")]
@@ -46,6 +47,7 @@ pub use crate::statistics::{
     Statistic, Statistics, StatisticsNode, Tables, TargetStatus,
 };
 use account::Account;
+pub use chaos::{ChaosMap, MapDeviations};
 use chunk::in_chunks;
 use control::Control;
 pub use draws::Normals;

@@ -12,6 +12,8 @@
 //! and a [`Sheet`] puts several into one file. Colours are those of Okabe and Ito, which every kind of colour vision tells apart.
 
 mod axes;
+#[cfg(feature = "ensemble")]
+mod chaos;
 mod drawing;
 mod figure;
 mod layout;
@@ -22,8 +24,10 @@ mod statistics;
 mod ticks;
 
 pub use crate::error::PlotError;
+#[cfg(feature = "ensemble")]
+pub use chaos::ChaosMapPlot;
 pub(crate) use drawing::Plot;
-pub use figure::{Axis, Colour, Figure, Look, Series};
+pub use figure::{Axis, Colour, Figure, Look, Series, Shades};
 pub(crate) use layout::Layout;
 pub use path::PathPlot;
 pub use sheet::Sheet;

@@ -34,7 +34,7 @@ const SEED: &str = "a seed for its noise: add `.seed(number)` or `.noise(...)`";
 ///
 /// # Errors
 /// [`ConfigError::Missing`] and [`ConfigError::Setting`].
-fn number_of_paths(asked: Option<u64>, listed: [Option<u64>; 2]) -> Result<u64, ConfigError> {
+pub(super) fn number_of_paths(asked: Option<u64>, listed: [Option<u64>; 2]) -> Result<u64, ConfigError> {
     if let (None, [Some(starts), Some(systems)]) = (asked, listed)
         && starts != systems
     {

@@ -29,6 +29,7 @@ use crate::increments::{Noise, Whole};
 use crate::path::simulate::{Simulation, Summation, Unobserved, UsualSums};
 use crate::scheme::system::{Discretized, Hamiltonian};
 
+pub(crate) use indicators::{Growth, gali, sali};
 pub use indicators::{IndicatorSeries, Indicators};
 pub use spectrum::{Spectrum, SpectrumSeries};
 
@@ -98,7 +99,11 @@ where
 ///
 /// # Errors
 /// [`ConfigError::Setting`] for more than are independent, for fewer given ones, and for those that are none.
-fn chosen(given: Option<Vec<Vec<f64>>>, wanted: usize, degrees: usize) -> Result<Vec<Vec<f64>>, ConfigError> {
+pub(crate) fn chosen(
+    given: Option<Vec<Vec<f64>>>,
+    wanted: usize,
+    degrees: usize,
+) -> Result<Vec<Vec<f64>>, ConfigError> {
     let most = 2 * degrees;
     let number = given.as_ref().map_or(wanted, |given| given.len().max(wanted));
     if number > most {

@@ -6,8 +6,12 @@ use super::layout::Layout;
 /// What the axes of a figure show, as places before scaling: from, to.
 pub(super) fn ranges(figure: &Figure, layout: &Layout) -> [(f64, f64); 2] {
     let both = || {
-        let points = figure.series.iter().flat_map(|series| &series.points);
-        points.filter_map(|(x, y)| Some([figure.x.place(*x)?, figure.y.place(*y)?]))
+        let points = figure.series.iter().flat_map(|series| &series.points).copied();
+        let corners = figure.shades.iter().flat_map(|shades| {
+            let [w, h] = [0.5 * shades.cell.0, 0.5 * shades.cell.1];
+            shades.points.iter().flat_map(move |(x, y, _)| [(x - w, y - h), (x + w, y + h)])
+        });
+        points.chain(corners).filter_map(|(x, y)| Some([figure.x.place(x)?, figure.y.place(y)?]))
     };
     let x = range(&figure.x, &mut both().map(|[x, _]| x));
     let y = range(&figure.y, &mut both().map(|[_, y]| y));

@@ -13,8 +13,8 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
 use super::axes::ranges;
-use super::figure::{Colour, Figure, Look, Series};
-use super::layout::{Entry, INDENT, KEY, Layout};
+use super::figure::{Axis, Colour, Figure, Look, Series, Shades};
+use super::layout::{BAR, Entry, INDENT, KEY, Layout};
 use super::ticks::{Tick, ticks};
 use crate::error::PlotError;
 
@@ -33,6 +33,21 @@ const PALETTE: [RGBColor; 8] = [
     RGBColor(96, 96, 96),
     INK,
 ];
+/// From low to high, told apart with every kind of colour vision, and in print by their lightness (S. van der Walt, N. Smith, "viridis").
+const SCALE: [RGBColor; 10] = [
+    RGBColor(68, 1, 84),
+    RGBColor(72, 40, 120),
+    RGBColor(62, 74, 137),
+    RGBColor(49, 104, 142),
+    RGBColor(38, 130, 142),
+    RGBColor(31, 158, 137),
+    RGBColor(53, 183, 121),
+    RGBColor(109, 205, 89),
+    RGBColor(180, 222, 44),
+    RGBColor(253, 231, 37),
+];
+/// Colours between them that are drawn.
+const SHADES: usize = 64;
 /// Axes and text.
 const INK: RGBColor = RGBColor(17, 17, 17);
 /// Lines of the grid.
@@ -190,6 +205,10 @@ impl<'a> Plot<'a> {
             self.text(area, &self.figure.title, at, 16, HPos::Left, VPos::Top)?;
         }
         self.axes(area)?;
+        if let Some(shades) = &self.figure.shades {
+            self.shades(area, shades)?;
+            self.bar(area, shades)?;
+        }
         for (number, series) in self.figure.series.iter().enumerate() {
             self.series(area, number, series)?;
         }
@@ -223,6 +242,56 @@ impl<'a> Plot<'a> {
         }
         let style = self.style(15, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
         area.draw(&Text::new(self.letters(label), (4 * s, middle.1), style))
+    }
+
+    /// A rectangle for each run of cells with one colour.
+    fn shades<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        shades: &Shades,
+    ) -> Outcome<B::ErrorType> {
+        let [w, h] = [0.5 * shades.cell.0, 0.5 * shades.cell.1];
+        let mut cells: Vec<(f64, f64, usize)> = shades
+            .points
+            .iter()
+            .filter_map(|(x, y, value)| Some((*y, *x, shade(*value, shades.range)?)))
+            .collect();
+        cells.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let is_one =
+            |a: &(f64, f64, usize), b: &(f64, f64, usize)| a.0 == b.0 && a.2 == b.2 && b.1 - a.1 < 3.0 * w;
+        for run in cells.chunk_by(is_one) {
+            let ([first, ..], [.., last]) = (run, run) else { continue };
+            let corner = |x: f64, y: f64| {
+                let inside = |place: f64, (low, high): (f64, f64)| place.clamp(low, high);
+                let (x, y) = (self.figure.x.place(x)?, self.figure.y.place(y)?);
+                Some((self.horizontal(inside(x, self.x)), self.vertical(inside(y, self.y))))
+            };
+            let corners = (corner(first.1 - w, first.0 + h), corner(last.1 + w, last.0 - h));
+            if let (Some(one), Some(other)) = corners {
+                area.draw(&Rectangle::new([one, other], scaled(first.2).filled()))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The bar of colours beside the axes.
+    fn bar<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, shades: &Shades) -> Outcome<B::ErrorType> {
+        let s = self.scale;
+        let [_, top, right, bottom] = self.layout.frame.map(|edge| s * edge);
+        let (left, right) = (right + s * BAR, right + 2 * s * BAR);
+        let height = |part: f64| bottom - (f64::from(bottom - top) * part).round() as i32;
+        for number in 0..SHADES {
+            let [low, high] = [number, number + 1].map(|edge| height(edge as f64 / SHADES as f64));
+            area.draw(&Rectangle::new([(left, high), (right, low)], scaled(number).filled()))?;
+        }
+        let [_, marks] = self.layout.marks();
+        for Tick { place, label } in ticks(shades.range, &Axis::linear(""), marks) {
+            let y = height(part(place, shades.range));
+            self.text(area, &label, (right + 6 * s, y), 13, HPos::Left, VPos::Center)?;
+        }
+        let style = self.style(15, HPos::Center, VPos::Bottom).transform(FontTransform::Rotate270);
+        let (width, _) = self.layout.size;
+        area.draw(&Text::new(self.letters(&shades.label), (s * width - 8 * s, (top + bottom) / 2), style))
     }
 
     fn style(&self, size: i32, across: HPos, along: VPos) -> TextStyle<'static> {
@@ -366,6 +435,22 @@ fn thinned(points: &[(i32, i32)]) -> Vec<(i32, i32)> {
         }
     }
     thin
+}
+
+/// The number of the colour of a value; none for NaN.
+fn shade(value: f64, range: (f64, f64)) -> Option<usize> {
+    let place = (SHADES as f64 * part(value, range)).clamp(0.0, SHADES as f64 - 1.0);
+    (!place.is_nan()).then_some(place as usize)
+}
+
+/// The colour of this number.
+fn scaled(number: usize) -> RGBColor {
+    let place = number as f64 / (SHADES - 1) as f64 * (SCALE.len() - 1) as f64;
+    let (low, share) =
+        ((place as usize).min(SCALE.len() - 2), place - (place as usize).min(SCALE.len() - 2) as f64);
+    let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
+    let (RGBColor(r, g, b), RGBColor(to_r, to_g, to_b)) = (SCALE[low], SCALE[low + 1]);
+    RGBColor(mix(r, to_r), mix(g, to_g), mix(b, to_b))
 }
 
 /// How far a place is along a range, 0 to 1.

@@ -115,6 +115,19 @@ impl Series {
     }
 }
 
+/// Values over the plane as colours, with a bar beside the axes that tells them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shades {
+    /// The label of the bar.
+    pub label: String,
+    /// The values at the ends of the bar; values beyond have the colours of the ends.
+    pub range: (f64, f64),
+    /// Width and height of the cell around each point, in the units of the axes.
+    pub cell: (f64, f64),
+    /// `(x, y, value)`; where the value is NaN nothing is drawn.
+    pub points: Vec<(f64, f64, f64)>,
+}
+
 /// A plot with its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
@@ -128,6 +141,8 @@ pub struct Figure {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
+    /// Colours below everything else.
+    pub shades: Option<Shades>,
     /// What is drawn, the first at the bottom.
     pub series: Vec<Series>,
     /// Whether both axes have the same scale.
@@ -138,7 +153,7 @@ impl Figure {
     /// An empty figure.
     pub fn new(id: impl Into<String>, title: impl Into<String>, x: Axis, y: Axis) -> Self {
         let (id, title) = (id.into(), title.into());
-        Self { id, title, shows: String::new(), x, y, series: vec![], has_equal_axes: false }
+        Self { id, title, shows: String::new(), x, y, shades: None, series: vec![], has_equal_axes: false }
     }
 
     /// An empty figure with linear axes, for a [`Sheet`](super::Sheet). Labels carry the unit: `"time t [1/ω]"`.
@@ -157,6 +172,13 @@ impl Figure {
     #[must_use]
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
+        self
+    }
+
+    /// Puts colours below everything else.
+    #[must_use]
+    pub fn shaded(mut self, shades: Shades) -> Self {
+        self.shades = Some(shades);
         self
     }
 
@@ -243,19 +265,30 @@ impl Figure {
         let rows = self.series.iter().flat_map(|series| {
             series.points.iter().enumerate().map(move |(index, point)| row(series, index, *point))
         });
-        (headings, rows.collect())
+        let shaded = self.shades.iter().flat_map(|shades| {
+            let row = |(x, y, value): &(f64, f64, f64)| {
+                vec![shades.label.clone(), x.to_string(), y.to_string(), value.to_string()]
+            };
+            shades.points.iter().map(row)
+        });
+        (headings, rows.chain(shaded).collect())
     }
 
     /// The same as CSV.
     pub fn csv(&self) -> Vec<u8> {
         let rows = self.series.iter().flat_map(|series| {
-            series.points.iter().enumerate().map(move |(index, point)| (series, index, point))
+            let note = |index: usize| series.notes.get(index).cloned().unwrap_or_default();
+            let points = series.points.iter().enumerate();
+            points.map(move |(index, (x, y))| (series.name.clone(), *x, *y, note(index)))
         });
-        Rows::of(rows)
-            .column("series", |(series, ..)| series.name.clone())
-            .column(&self.x.label, |(.., (x, _))| *x)
-            .column(&self.y.label, |(.., (_, y))| *y)
-            .column("note", |&(series, index, _)| series.notes.get(index).cloned().unwrap_or_default())
+        let shaded = self.shades.iter().flat_map(|shades| {
+            shades.points.iter().map(|(x, y, value)| (shades.label.clone(), *x, *y, format!("{value:?}")))
+        });
+        Rows::of(rows.chain(shaded))
+            .column("series", |(name, ..)| name.clone())
+            .column(&self.x.label, |(_, x, ..)| *x)
+            .column(&self.y.label, |(_, _, y, _)| *y)
+            .column("note", |(.., note)| note.clone())
             .table(&self.id)
             .csv()
     }

@@ -13,6 +13,9 @@ const ROW: i32 = 20;
 /// From the edge to the title and to the legend.
 const MARGIN: i32 = 10;
 
+/// From the frame to the bar of colours, which is as wide.
+pub(super) const BAR: i32 = 14;
+
 /// A name in the legend.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
@@ -63,7 +66,8 @@ impl Layout {
         let name = |name: &String| (name.chars().count() as f64 * LETTER).ceil() as i32 + 30;
         let left = figure.y.names.iter().map(name).max().unwrap_or(70);
         let left = left.min(width / 2).max(70);
-        let frame = [left, top, (width - 20).max(left + 20), (height - 56).max(top + 20)];
+        let beside = if figure.shades.is_some() { BAR + 84 } else { 20 };
+        let frame = [left, top, (width - beside).max(left + 20), (height - 56).max(top + 20)];
         Self { size: (width, height), frame, title, legend }
     }
 

@@ -92,23 +92,28 @@ impl<const N: usize, S: Scalar> Dual<N, S> {
     }
 
     /// `f(self)` from `f(value)` and `f'(value)`.
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn chain(self, value: S, slope: S) -> Self {
-        Self { value, derivative: self.derivative.map(|d| weigh(d, slope)) }
+        let mut derivative = self.derivative;
+        for d in &mut derivative {
+            *d = weigh(*d, slope);
+        }
+        Self { value, derivative }
     }
 
     /// `f(self, other)` from its value and its two partial derivatives.
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn chain2(self, other: Self, value: S, slopes: [S; 2]) -> Self {
-        let derivative = std::array::from_fn(|i| {
-            weigh(self.derivative[i], slopes[0]) + weigh(other.derivative[i], slopes[1])
-        });
+        let mut derivative = self.derivative;
+        for (d, other) in derivative.iter_mut().zip(other.derivative) {
+            *d = weigh(*d, slopes[0]) + weigh(other, slopes[1]);
+        }
         Self { value, derivative }
     }
 }
 
 /// `derivative slope`; 0 for a derivative of zero, even where the slope is infinite or undefined.
-#[inline]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn weigh<S: Scalar>(derivative: S, slope: S) -> S {
     S::select(derivative.vanishes(), S::from_f64(0.0), derivative * slope)
 }
@@ -122,15 +127,19 @@ impl<const N: usize, S: Scalar> Default for Dual<N, S> {
 
 impl<const N: usize, S: Scalar> Neg for Dual<N, S> {
     type Output = Self;
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn neg(self) -> Self {
-        Self { value: -self.value, derivative: self.derivative.map(Neg::neg) }
+        let mut derivative = self.derivative;
+        for d in &mut derivative {
+            *d = -*d;
+        }
+        Self { value: -self.value, derivative }
     }
 }
 
 impl<const N: usize, S: Scalar> Add for Dual<N, S> {
     type Output = Self;
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(self, other: Self) -> Self {
         self.chain2(other, self.value + other.value, [S::from_f64(1.0); 2])
     }
@@ -138,7 +147,7 @@ impl<const N: usize, S: Scalar> Add for Dual<N, S> {
 
 impl<const N: usize, S: Scalar> Sub for Dual<N, S> {
     type Output = Self;
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sub(self, other: Self) -> Self {
         self.chain2(other, self.value - other.value, [S::from_f64(1.0), S::from_f64(-1.0)])
     }
@@ -146,7 +155,7 @@ impl<const N: usize, S: Scalar> Sub for Dual<N, S> {
 
 impl<const N: usize, S: Scalar> Mul for Dual<N, S> {
     type Output = Self;
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul(self, other: Self) -> Self {
         self.chain2(other, self.value * other.value, [other.value, self.value])
     }
@@ -154,7 +163,7 @@ impl<const N: usize, S: Scalar> Mul for Dual<N, S> {
 
 impl<const N: usize, S: Scalar> Div for Dual<N, S> {
     type Output = Self;
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
         self.chain2(other, quotient, [other.value.recip(), -quotient / other.value])
@@ -163,7 +172,7 @@ impl<const N: usize, S: Scalar> Div for Dual<N, S> {
 
 impl<const N: usize, S: Scalar> Add<f64> for Dual<N, S> {
     type Output = Self;
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(self, other: f64) -> Self {
         Self { value: self.value + other, ..self }
     }
@@ -171,7 +180,7 @@ impl<const N: usize, S: Scalar> Add<f64> for Dual<N, S> {
 
 impl<const N: usize, S: Scalar> Sub<f64> for Dual<N, S> {
     type Output = Self;
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sub(self, other: f64) -> Self {
         Self { value: self.value - other, ..self }
     }
@@ -179,7 +188,7 @@ impl<const N: usize, S: Scalar> Sub<f64> for Dual<N, S> {
 
 impl<const N: usize, S: Scalar> Mul<f64> for Dual<N, S> {
     type Output = Self;
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul(self, other: f64) -> Self {
         self.chain(self.value * other, S::from_f64(other))
     }
@@ -187,7 +196,7 @@ impl<const N: usize, S: Scalar> Mul<f64> for Dual<N, S> {
 
 impl<const N: usize, S: Scalar> Div<f64> for Dual<N, S> {
     type Output = Self;
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn div(self, other: f64) -> Self {
         self.chain(self.value / other, S::from_f64(1.0 / other))
     }
@@ -212,65 +221,73 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     const LANES: usize = S::LANES;
     type OfElements<T: Number<f64>> = Self;
 
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {
         Self::constant(S::from_f64(value))
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_constant(Dual { value, derivative }: Self::Constant) -> Self {
         Self { value: S::of_constant(value), derivative: derivative.map(S::of_constant) }
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn to_constant(self) -> Self::Constant {
         Dual { value: self.value.to_constant(), derivative: self.derivative.map(S::to_constant) }
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {
         self.value.magnitude()
     }
     /// The value against the values, the gradient against the gradients (in the largest norm).
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn relative_to(self, other: Self) -> f64 {
         let of_gradient = norm(&self.derivative).relative_to(norm(&other.derivative));
         self.value.relative_to(other.value).larger(of_gradient)
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn vanishes(self) -> S::Mask {
-        self.derivative.iter().fold(self.value.vanishes(), |all, d| all & d.vanishes())
+        let mut all = self.value.vanishes();
+        for d in &self.derivative {
+            all = all & d.vanishes();
+        }
+        all
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_identical(self, other: Self) -> bool {
         let derivatives = self.derivative.iter().zip(&other.derivative);
         self.value.is_identical(other.value) && derivatives.into_iter().all(|(a, b)| a.is_identical(*b))
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn larger(self, other: Self) -> Self {
         Self {
             value: self.value.larger(other.value),
             derivative: std::array::from_fn(|i| self.derivative[i].larger(other.derivative[i])),
         }
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, lane: usize) -> f64 {
         self.value.lane(lane)
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(self) -> S::Mask {
-        self.derivative.iter().fold(self.value.is_finite(), |all, d| all & d.is_finite())
+        let mut all = self.value.is_finite();
+        for d in &self.derivative {
+            all = all & d.is_finite();
+        }
+        all
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less(self, other: Self) -> S::Mask {
         self.value.less(other.value)
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less_equal(self, other: Self) -> S::Mask {
         self.value.less_equal(other.value)
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn equal(self, other: Self) -> S::Mask {
         self.value.equal(other.value)
     }
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(mask: S::Mask, then: Self, otherwise: Self) -> Self {
         Self {
             value: S::select(mask, then.value, otherwise.value),

@@ -71,27 +71,27 @@ impl IndicatorSeries {
 
 /// Sums over the growth of a deviation, in the numbers `S` of one path or of several in lanes.
 #[derive(Clone, Copy, Debug)]
-struct Growth<S> {
+pub(crate) struct Growth<S> {
     /// `ln |δ_k|`
-    ln_length: S,
+    pub(crate) ln_length: S,
     /// `Σ k l_k`
-    weighted: S,
+    pub(crate) weighted: S,
     /// `Σ Y_k`
-    means: S,
+    pub(crate) means: S,
     /// The largest `ln |δ_k|`, the least of all numbers before the first step.
-    fli: S,
+    pub(crate) fli: S,
 }
 
 impl<S: Scalar> Growth<S> {
     /// Of a deviation of length one.
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let [zero, least] = [0.0, f64::MIN].map(S::from_f64);
         Self { ln_length: zero, weighted: zero, means: zero, fli: least }
     }
 
     /// After a step from `before` steps to `now` steps; a last one that is shorter counts as its part of a step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add(&mut self, ln_length: S, [before, now]: [f64; 2]) {
+    pub(crate) fn add(&mut self, ln_length: S, [before, now]: [f64; 2]) {
         self.weighted = self.weighted + (ln_length - self.ln_length) * now;
         self.means = self.means + self.weighted * (2.0 / now * (now - before));
         self.fli = self.fli.max(ln_length);
@@ -99,24 +99,24 @@ impl<S: Scalar> Growth<S> {
     }
 
     /// `Y_n` after `n` steps.
-    fn megno(&self, n: f64) -> S {
+    pub(crate) fn megno(&self, n: f64) -> S {
         self.weighted * (2.0 / n)
     }
 
     /// `Ȳ_n`
-    fn megno_mean(&self, n: f64) -> S {
+    pub(crate) fn megno_mean(&self, n: f64) -> S {
         self.means * (1.0 / n)
     }
 }
 
 /// The smaller length of sum and difference of two unit vectors.
-fn sali(u: &[f64], v: &[f64]) -> f64 {
+pub(crate) fn sali(u: &[f64], v: &[f64]) -> f64 {
     let length = |sign: f64| u.iter().zip(v).map(|(u, v)| (u + sign * v).powi(2)).sum::<f64>().sqrt();
     length(1.0).min(length(-1.0))
 }
 
 /// The volumes of the first two, three, … unit vectors.
-fn gali(units: &[Vec<f64>]) -> Vec<f64> {
+pub(crate) fn gali(units: &[Vec<f64>]) -> Vec<f64> {
     let mut frame: Vec<Vec<f64>> = Vec::new();
     let mut volume = 1.0;
     let volumes = units.iter().map(|unit| {

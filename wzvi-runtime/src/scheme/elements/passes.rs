@@ -215,7 +215,11 @@ pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
     if has_parts::<S>() {
-        let zero = numbers.iter().fold(S::from_f64(0.0), |zero, &number| zero + number * 0.0);
+        // A loop: in `fold` the closure would be compiled without the instructions of the lanes.
+        let mut zero = S::from_f64(0.0);
+        for &number in numbers {
+            zero = zero + number * 0.0;
+        }
         return zero.is_finite().all();
     }
     let mut zeros = [S::from_f64(0.0); LANES];
