@@ -206,3 +206,53 @@ fn ensembles_with_sections_go_on() {
     let other = shaken::<Midpoint>(1300).keep_crossings(4).checkpoint(to()).run().unwrap_err();
     assert!(other.to_string().contains("crossings that are kept"), "{other}");
 }
+
+/// A noise with a memory: each increment is the sum of those before and of one more number. The last, shorter step continues it, too.
+#[derive(Clone)]
+struct Growing {
+    sum: f64,
+}
+
+impl Noise for Growing {
+    fn increments(
+        &mut self,
+        interval: &wzvi::increments::Interval,
+        dw: &mut [f64],
+    ) -> Result<(), wzvi::error::NoiseError> {
+        self.increments_of_part(interval, interval.h, dw)
+    }
+
+    fn increments_of_part(
+        &mut self,
+        _: &wzvi::increments::Interval,
+        h: f64,
+        dw: &mut [f64],
+    ) -> Result<(), wzvi::error::NoiseError> {
+        self.sum += h;
+        dw.fill(0.1 * self.sum);
+        Ok(())
+    }
+}
+
+impl wzvi::noise::Paths for Growing {
+    fn set_path(&mut self, path: u64) {
+        self.sum = path as f64;
+    }
+}
+
+#[test]
+fn a_noise_with_a_memory_goes_on_in_the_last_step() {
+    let run = Shaken.ensemble::<Midpoint>(0.1).start(start()).paths(5).noise(Growing { sum: 0.0 });
+    let run = run.until(0.55).keep_paths(1 << 20).run().unwrap();
+    for path in 0..5 {
+        // Steps by hand: a run asks its noise before the first step whether it has increments for the last.
+        let (mut state, mut noise, mut dw) = (start(), Growing { sum: path as f64 }, [0.0; 2]);
+        for (step, h) in [0.1, 0.1, 0.1, 0.1, 0.1, 0.55 - 5.0 * 0.1].into_iter().enumerate() {
+            let interval = wzvi::increments::Interval { start: 0.0, h: 0.1, step: step as u64 };
+            noise.increments_of_part(&interval, h, &mut dw).unwrap();
+            Shaken.stepper::<Midpoint>(h).unwrap().plain().step(&mut state, &dw).unwrap();
+        }
+        let end = run.paths().unwrap().at(path as usize, 1).unwrap();
+        assert!((end[0] - state.q[0]).abs() < 1e-13 && (end[1] - state.p[0]).abs() < 1e-13, "{path}");
+    }
+}

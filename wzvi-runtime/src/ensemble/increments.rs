@@ -184,7 +184,10 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         }
         let mut alone = vec![0.0; processes];
         for lane in (0..L).filter(|lane| wants(*lane)) {
-            source.path(path + lane as u64).increments_of_part(interval, h, &mut alone)?;
+            match &mut self.origin {
+                Origin::Each(noises, _) => noises[lane].increments_of_part(interval, h, &mut alone)?,
+                _ => source.path(path + lane as u64).increments_of_part(interval, h, &mut alone)?,
+            }
             check_finite(step, &alone)?;
             self.set(lane, step, &alone);
         }
