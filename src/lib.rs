@@ -160,6 +160,7 @@
 /// | `friction` | rates in 1/time: an expression of fields, a list by degree of freedom, or a closure of the coordinates |
 /// | `damping` | in its place, a matrix in mass/time that acts on the velocities |
 /// | `temperature` | `kT` of the [heat bath](bath), in units of energy: an expression of fields |
+/// | `calculus` | `Ito`: the noises are in the sense of Ito, and the system is converted to that of Stratonovich, or refused |
 /// | `embedding` | a [scheme](embedding), or a list of schemes; only these are generated |
 /// | `invariant` | a list of first integrals, which the compiler must prove; `[name = \|q, p\| ...]` names them |
 /// | `crate` | the path of this crate, if you renamed it |

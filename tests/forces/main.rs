@@ -7,6 +7,7 @@ mod balance;
 mod bath;
 mod friction;
 mod gjf;
+mod ito;
 mod noise;
 mod orders;
 mod principle;

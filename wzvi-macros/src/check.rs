@@ -68,7 +68,7 @@ fn check_flows(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics
     let listed: Vec<Embedding> = words.iter().map(|known| known.value.clone()).collect();
     if !words.is_empty() && Flows::of(system, facts, &listed).is_none() {
         for Located { value, extent } in &words {
-            diagnostics.report(messages::word_without_flows(*extent, value));
+            diagnostics.report(messages::word_without_flows(*extent, value, &system.converted_force()));
         }
     }
 }

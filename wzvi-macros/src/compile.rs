@@ -17,6 +17,7 @@ use crate::input::{self, Library};
 use crate::lower::lower;
 use crate::passes::collect::collect;
 use crate::passes::friction::friction;
+use crate::passes::ito::ito;
 use crate::passes::unroll::{unroll, written_out};
 
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
@@ -86,6 +87,7 @@ fn compile(
     let mut system = lower(container, declaration, &phase_space, diagnostics)?;
     unroll(&mut system);
     collect(&mut system, diagnostics);
+    ito(&mut system, diagnostics);
     friction(&mut system, diagnostics);
     if diagnostics.has_errors() {
         return None;

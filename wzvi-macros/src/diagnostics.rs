@@ -18,6 +18,7 @@ macro_rules! messages {
 pub(crate) mod expressions;
 pub(crate) mod facts;
 pub(crate) mod internal;
+pub(crate) mod ito;
 pub(crate) mod messages;
 mod spelling;
 

@@ -164,6 +164,16 @@ pub(crate) struct Noise {
     pub(crate) is_force: bool,
 }
 
+/// What was added to a system in the sense of Ito, as text.
+pub(crate) struct Conversion {
+    /// To the Hamiltonian of the drift.
+    pub(crate) drift: Option<String>,
+    /// To the force, as virtual work.
+    pub(crate) force: Option<String>,
+    /// Whether that force reads momenta.
+    pub(crate) reads_momenta: bool,
+}
+
 /// What draws on the momenta, `-G p` with rates on the diagonal of `G`, or `-Γ M⁻¹ p`.
 #[derive(Clone)]
 pub(crate) struct Friction {
@@ -224,6 +234,10 @@ pub(crate) struct System {
     pub(crate) scale: Option<Symbol>,
     /// `kT`
     pub(crate) temperature: Option<Term>,
+    /// Where `Ito` is written, if noises are in that sense.
+    pub(crate) ito: Option<Extent>,
+    /// What makes it the system in the sense of Stratonovich.
+    pub(crate) conversion: Option<Conversion>,
     pub(crate) invariants: Vec<Term>,
     /// Their names; empty for those without.
     pub(crate) invariant_names: Vec<String>,
@@ -271,6 +285,16 @@ impl System {
     /// Whether a scheme takes friction in by a flow of its own.
     pub(crate) fn has_thermostat(&self) -> bool {
         self.embeddings.iter().any(|known| known.value.is_thermostat())
+    }
+
+    /// What is said of a force that reads momenta, where the conversion from Ito brought it.
+    pub(crate) fn converted_force(&self) -> String {
+        let conversion = self.conversion.as_ref().filter(|conversion| conversion.reads_momenta);
+        let force = conversion.and_then(|conversion| conversion.force.as_ref());
+        let said = |force| {
+            format!(" (the conversion from Ito to Stratonovich adds the force {force}, as virtual work)")
+        };
+        force.map_or_else(String::new, said)
     }
 
     /// Whether covectors stand beside the Hamiltonians, with noise or without.

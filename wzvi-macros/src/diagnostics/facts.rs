@@ -15,8 +15,8 @@ messages! {
         and there is none for noise forces that depend on momenta; use `Midpoint`, `Gauss<2>` or `Verlet`, which are \
         consistent with every noise";
     /// `Baoab` or another splitting, for a system that is not `T(p) + V(q, t)`.
-    word_without_flows(found, scheme: &impl Display) = "`{scheme}` alternates drifts by T(p) and kicks by \
-        V(q, t): here a Hamiltonian contains momenta with coordinates (or the time), or a force depends on momenta; write \
+    word_without_flows(found, scheme: &impl Display, converted: &str) = "`{scheme}` alternates drifts by T(p) and kicks by \
+        V(q, t): here a Hamiltonian contains momenta with coordinates (or the time), or a force depends on momenta{converted}; write \
         `Thermostat<Midpoint>`";
     /// A part of a drift whose flow is not known.
     part_without_flow(found, reason: &str) = "this part of the drift has no known flow: {reason}; flows \
@@ -24,7 +24,7 @@ messages! {
         for polynomials of degree two in both with constant coefficients, for which the size must be known; write one \
         Hamiltonian if no scheme needs the parts";
     /// A force or friction that fits neither part of a drift.
-    acts_in_no_part(found, reason: &str) = "this belongs to neither part of the drift: {reason}; write the drift \
+    acts_in_no_part(found, reason: &str, converted: &str) = "this belongs to neither part of the drift: {reason}{converted}; write the drift \
         as one Hamiltonian, whose schemes take any force at their stages, or `drift = [|q, p| ..., |q, _| ...]` \
         with a part that contains coordinates only";
     /// A counter-term whose indices the compiler cannot write.

@@ -10,7 +10,8 @@ use super::{at, closest, quoted, source, suggest};
 use crate::symbolic::{Rational, Special};
 
 /// The keys that users know, with spaces between them.
-const KEYS: &str = "drift noise force noise_force friction damping temperature embedding invariant crate";
+const KEYS: &str =
+    "drift noise force noise_force friction damping temperature calculus embedding invariant crate";
 const PATTERNS: &str = "the supported patterns are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -169,6 +170,14 @@ messages! {
         `|q, p|` for one degree of freedom, or `|[{parts}], ...|` if these are several coordinates";
 }
 
+/// A value of `calculus`.
+pub(crate) fn unknown_calculus_at(place: Span) -> Error {
+    Error::new(
+        place,
+        "the sense of the noises is `calculus = Ito` or `calculus = Stratonovich`, which is the default",
+    )
+}
+
 pub(crate) fn not_a_struct(item: &Item) -> Error {
     let message = "`#[hamiltonian]` goes on a struct, whose fields are the parameters of the system";
     match item {
@@ -184,14 +193,13 @@ pub(crate) fn intended_key(key: &str) -> Option<&'static str> {
     closest(key, KEYS.split(' ')).or_else(|| synonym(key))
 }
 
-const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an Ito equation, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
-                            `a - ½ Σ_k (∂b_k/∂X) b_k`: see \"From Ito to Stratonovich\" in docs/guide/noise.md";
+const STRATONOVICH: &str = "noises are in the sense of Stratonovich; for an equation in the sense of Ito write the key `calculus = Ito`, which \
+                            converts it: see \"From Ito to Stratonovich\" in docs/guide/noise.md";
 
 /// Whether a name requests another sense of the stochastic integral, or a scheme in that sense.
 pub(crate) fn is_of_ito(name: &syn::Ident) -> bool {
     let name = name.to_string().to_lowercase();
-    ["ito", "itô", "stratonovich", "eulermaruyama", "milstein", "interpretation", "calculus"]
-        .contains(&name.as_str())
+    ["ito", "itô", "stratonovich", "eulermaruyama", "milstein", "interpretation"].contains(&name.as_str())
 }
 
 /// The weights and tables of compositions.

@@ -16,7 +16,7 @@ use crate::discretise::{
     Block, Facts, NoiseClass, Scheme, Solution, StepSymbols, Unknown, modified, unweighted,
 };
 use crate::embedding::{Embedding, Points};
-use crate::model::{System, Term};
+use crate::model::{Conversion, System, Term};
 use crate::symbolic::{Graph, Knowledge, Rational};
 
 /// The text of one scheme, from the discrete Lagrangian to the step.
@@ -31,7 +31,7 @@ pub(crate) fn derivation(graph: &mut Graph, scheme: &Scheme) -> String {
 /// Every Hamiltonian and force, as sums of elements.
 pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
     let numbers = system.noise_numbers();
-    let System { graph, drift, parts, noise, force, conformal, names, line, .. } = system;
+    let System { graph, drift, parts, noise, force, conformal, conversion, names, line, .. } = system;
     let text = &mut String::new();
     let value =
         |graph: &mut Graph, term: &Term| facts.space.display(graph, &unweighted(&term.values), Rational::ONE);
@@ -64,6 +64,19 @@ pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
     if let Some(rate) = *conformal {
         say!(text, "\nFriction");
         say!(text, "  γ = {}", graph.display(rate));
+    }
+    if let Some(Conversion { drift, force, .. }) = &*conversion {
+        say!(
+            text,
+            "\nConversion from Ito to Stratonovich: what -1/2 Σ_k (X_k · ∇) X_k adds to the terms above"
+        );
+        match (drift, force) {
+            (None, None) => say!(text, "  nothing: both senses are the same"),
+            _ => {
+                drift.iter().for_each(|drift| say!(text, "  to H0: {drift}"));
+                force.iter().for_each(|force| say!(text, "  to F0 · δ{}: {force}", names[0]));
+            }
+        }
     }
     std::mem::take(text)
 }

@@ -30,7 +30,7 @@ pub(crate) use self::parts::{PartElements, family_of, parts_of, scale_momenta};
 pub(crate) use self::plan::{Step, Strategy, Unknowns};
 pub(crate) use self::quadrature::{Part, Quadrature, Stage};
 pub(crate) use self::structure::{Block, Pivot, Solution, Unknown, increment};
-pub(crate) use self::sums::{Calculus, Increments, Judged, Space, Sum, Weighted, unweighted};
+pub(crate) use self::sums::{Calculus, Increments, Judged, Space, Sum, Weighted, unweighted, weighted};
 
 use self::structure::Structure;
 use crate::embedding::Embedding;

@@ -9,7 +9,7 @@ use syn::{ExprClosure, Path, Token, token};
 
 use super::attributes::{self, Carrier};
 use super::{Library, embeddings, groups, nesting};
-use crate::diagnostics::{Diagnostics, Located, messages};
+use crate::diagnostics::{Diagnostics, Extent, Located, messages};
 use crate::embedding::{Embedding, listed};
 use crate::tokens::is_punct;
 
@@ -55,6 +55,8 @@ pub(crate) struct Declaration {
     pub(crate) embeddings: Vec<(Located<Embedding>, syn::Type)>,
     /// Whether `embeddings` is complete: none was misspelled.
     pub(crate) all_embeddings_known: bool,
+    /// Where `Ito` is written, if noises are in that sense.
+    pub(crate) ito: Option<Extent>,
     pub(crate) crate_path: Path,
     /// The form of emitted steps, where a test fixes it.
     pub(crate) emission: Option<Emission>,
@@ -132,6 +134,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         temperature: None,
         embeddings: Vec::new(),
         all_embeddings_known: false,
+        ito: None,
         crate_path: syn::parse_quote!(::wzvi),
         emission: None,
         library: Library::default(),
@@ -188,6 +191,7 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
             declaration.embeddings = entry.embeddings(diagnostics);
             declaration.all_embeddings_known = diagnostics.count() == before;
         }
+        "calculus" => declaration.ito = diagnostics.accept(entry.parse(calculus)).flatten(),
         STRATEGY => declaration.emission = diagnostics.accept(entry.parse(emission)),
         _ => {
             let path = entry.parse(Path::parse_mod_style);
@@ -342,6 +346,16 @@ fn member(input: ParseStream<'_>, may_be_family: bool) -> syn::Result<Hamiltonia
         }
     }
     Ok(member)
+}
+
+/// The sense of the stochastic integral: the place of `Ito`.
+fn calculus(input: ParseStream<'_>) -> syn::Result<Option<Extent>> {
+    let name: Ident = input.parse().map_err(|error| messages::unknown_calculus_at(error.span()))?;
+    match name.to_string().as_str() {
+        "Ito" => Ok(Some(Extent::of(&name))),
+        "Stratonovich" => Ok(None),
+        _ => Err(messages::unknown_calculus_at(name.span())),
+    }
 }
 
 fn emission(input: ParseStream<'_>) -> syn::Result<Emission> {

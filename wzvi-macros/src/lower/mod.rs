@@ -123,6 +123,8 @@ pub(crate) fn lower(
         conformal: None,
         scale: None,
         temperature: required(temperature)?,
+        ito: declaration.ito,
+        conversion: None,
         invariants: invariants?,
         invariant_names: invariant_names.collect(),
         embeddings: declaration.embeddings.into_iter().map(|(embedding, _)| embedding).collect(),

@@ -38,6 +38,12 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
     }
 }
 
+/// Elements as derivatives need them: each reads only coordinates, only momenta, or what cannot be parted.
+pub(super) fn parted(system: &mut System, elements: &[Element]) -> Vec<Element> {
+    let (mut writer, ..) = parts(system);
+    elements.iter().flat_map(|element| writer.parted(element)).collect()
+}
+
 /// A place that an element reads, known and outside of the state.
 fn outside(element: &Element, degrees: i128) -> Option<i128> {
     element.locals.iter().find_map(|local| match &local.slot {

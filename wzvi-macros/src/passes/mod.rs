@@ -2,4 +2,5 @@
 
 pub(crate) mod collect;
 pub(crate) mod friction;
+pub(crate) mod ito;
 pub(crate) mod unroll;

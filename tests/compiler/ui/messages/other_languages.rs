@@ -6,7 +6,7 @@ struct Powers;
 #[hamiltonian(drift = |q, p| 0.5 * p * p - cos(q), embedding = Midpoint)]
 struct Functions;
 
-#[hamiltonian(drift = |q, p| 0.5 * p * p, noise = [|q, p| q], calculus = Ito, embedding = Midpoint)]
+#[hamiltonian(drift = |q, p| 0.5 * p * p, noise = [|q, p| q], interpretation = Ito, embedding = Midpoint)]
 struct Sense;
 
 #[hamiltonian(drift = |q, p| 0.5 * p * p, noise = [kick = |q, p| q], embedding = Midpoint)]

@@ -41,7 +41,7 @@ pub(crate) fn check(system: &mut System, diagnostics: &mut Diagnostics) {
     if forms.len() == system.parts.len()
         && let Err((extent, reason)) = homes(system, &forms)
     {
-        diagnostics.report(messages::acts_in_no_part(extent, reason));
+        diagnostics.report(messages::acts_in_no_part(extent, reason, &system.converted_force()));
     }
 }
 

@@ -187,6 +187,25 @@ impl Calculus<'_> {
         self.difference(one, other)
     }
 
+    /// `Σ_s ∂F/∂x_s δq_s` over all slots `s` of a half of the phase space.
+    pub(crate) fn displaced(&mut self, sum: &Sum, half: Half) -> Sum {
+        let mut terms = Sum::new();
+        for Weighted { element, increments } in sum {
+            let read: Vec<_> = element.of_half(half).map(|(symbol, index)| (symbol, index.clone())).collect();
+            for (symbol, index) in read {
+                let slope = self.graph.derivative(element.value, symbol);
+                let displacement = self.space.symbol(self.graph, &Slot::State(Half::Displacements, index));
+                let displacement = self.graph.symbol(displacement);
+                let value = self.graph.multiply(slope, displacement);
+                if !self.graph.is_zero(value) {
+                    let element = self.space.element(self.graph, element.loops.clone(), value);
+                    terms.push(Weighted { element, increments: increments.clone() });
+                }
+            }
+        }
+        terms
+    }
+
     /// `None` if one of them is unknown.
     pub(crate) fn difference(&mut self, one: Option<Sum>, other: Option<Sum>) -> Option<Sum> {
         Some(self.combine(&[(&one?, Rational::ONE), (&other?, Rational::MINUS_ONE)]))
