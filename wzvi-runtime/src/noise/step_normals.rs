@@ -249,6 +249,7 @@ impl StepNormals {
     }
 
     /// The number of the first step of size `h` of a run from this start.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn first_of(&mut self, start: f64, h: f64) -> Result<i64, NoiseError> {
         if (self.numbered.start, self.numbered.h) != (start, h) {
             self.numbered = Numbered { start, h, first: number(start, h)? };
@@ -262,6 +263,7 @@ impl StepNormals {
     }
 
     /// The normal of a whole step of size `h`, before truncation.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn normal(&mut self, process: usize, h: f64, step: i64) -> f64 {
         if self.drawn.len() <= process {
             self.drawn.resize(process + 1, Drawn::NOTHING);
