@@ -23,7 +23,7 @@ pub(crate) struct Rotor;
 /// A star in a galaxy (M. Hénon, C. Heiles, 1964).
 #[hamiltonian(
     drift = |[x, y], [px, py]| 0.5 * (px * px + py * py + x * x + y * y) + x * x * y - y * y * y / 3.0,
-    embedding = Gauss<8>,
+    embedding = [Verlet, Gauss<8>],
 )]
 pub(crate) struct HenonHeiles;
 

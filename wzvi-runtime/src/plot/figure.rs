@@ -142,7 +142,7 @@ pub struct Figure {
     /// The vertical axis.
     pub y: Axis,
     /// Colours below everything else.
-    pub shades: Option<Shades>,
+    pub shades: Option<Box<Shades>>,
     /// What is drawn, the first at the bottom.
     pub series: Vec<Series>,
     /// Whether both axes have the same scale.
@@ -178,7 +178,7 @@ impl Figure {
     /// Puts colours below everything else.
     #[must_use]
     pub fn shaded(mut self, shades: Shades) -> Self {
-        self.shades = Some(shades);
+        self.shades = Some(Box::new(shades));
         self
     }
 

@@ -377,7 +377,7 @@ fn spectrum<H: Discretized<E>, E, N: Noise, C: Carry<f64>>(
     Spectrum {
         pair_defect: is_known
             .then(|| pairs.map(|(a, b)| (a + b - sum / degrees as f64).abs()).fold(0.0, f64::max)),
-        sum_defect: is_known.then(|| sum + degrees as f64 * rate),
+        sum_defect: is_known.then_some(sum + degrees as f64 * rate),
         values,
         errors,
         time,
