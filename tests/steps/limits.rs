@@ -33,7 +33,7 @@ systems! {
         + q.windows(2).map(|w| (w[0] - w[1] + 1.0).max(0.0).powf(1.5)).sum::<f64>()
         + 0.5 * q[0] * q[0];
     Twenty = |q: [f64; 20], p: [f64; 20]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
-        + q.windows(2).map(|w| (w[0] - w[1] + 1.0).max(0.0).powf(2.5)).sum::<f64>();
+        + q.windows(2).map(|w| (w[0] - w[1] + 1.0).max(0.0).powf(1.5)).sum::<f64>();
 }
 
 /// A wall and a well with an exponent of the system.
@@ -125,8 +125,7 @@ fn chains_of_beads_are_stepped() {
     };
     all_schemes!(Hertz, starts(9));
     // With an infinite stiffness at the first touch a push reaches all beads at once.
-    all_schemes!(Soft, starts(5));
-    runs::<Verlet, _>(&Soft, 0.01, &starts(9));
+    all_schemes!(Soft, starts(9));
     let touching: [f64; 20] = std::array::from_fn(|i| i as f64);
     let mut push = [0.0; 20];
     push[0] = 0.7;

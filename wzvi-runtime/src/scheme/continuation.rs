@@ -17,6 +17,9 @@
 //! step that crosses the edge has it. The solution from zero lies beyond the edge, then. It is taken if it has a Jacobian as below, and the step is reported as
 //! doubtful.
 //!
+//! Where second derivatives are infinite on the way, as at contacts that just touch, corrections contract on no part of the step, however short, and
+//! following proves nothing. The solution from zero is taken by the same criterion as that of a stiff force, next.
+//!
 //! A stiff force far from equilibrium oscillates many times along `λ`, and no reasonable number of parts resolves that. Then the solution from
 //! zero is taken if its Jacobian has a positive determinant (and is definite, if it is symmetric), as the connected one has and the next one has
 //! not, and the step is reported as doubtful.
@@ -139,6 +142,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         let found = self.solve(&self.prepared, self.h, &self.dw, &mut memory);
         match (found, self.blocks.clone().unwrap_or(0..memory.report().blocks)) {
             (Ok(found), _) if found.effort.is_certain() => Ok(found.leaving(memory)),
+            (Ok(found), _) if found.effort.is_unbounded() && !found.effort.is_elsewhere() => {
+                Ok(found.leaving(memory))
+            }
             (_, blocks) if blocks.len() > 1 => self.solve_halves(blocks),
             (found, _) => match self.follow() {
                 Ok(end) => Ok(end),
@@ -199,7 +205,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         room.tell(&Request::Forget);
         let is_same = |end: [&H::Vector; 2]| is_near(&self.q, [q, end[0]]) && is_near(&self.p, [p, end[1]]);
         let found = self.solve(&self.prepared, self.h, &self.dw, room);
-        if found.is_ok_and(|found| found.effort.is_certain() && is_same([&found.q, &found.p])) {
+        let is_taken =
+            |effort: Effort| effort.is_certain() || effort.is_unbounded() && !effort.is_elsewhere();
+        if found.is_ok_and(|found| is_taken(found.effort) && is_same([&found.q, &found.p])) {
             return Ok(None);
         }
         match self.follow() {
@@ -292,7 +300,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     part *= 0.5;
                     if part < SHORTEST {
                         // If the corrections contract without doubt, the curve goes on, hidden by rounding or by an oscillating force.
-                        let contracts = tried.is_some_and(|step| !step.effort.is_doubtful());
+                        let contracts = tried.is_some_and(|step| step.effort.doubt != Doubt::Straying);
                         let cause = match is_steep {
                             _ if contracts || reached < EARLIEST_END => Cause::Unknown,
                             true => Cause::Fold,

@@ -9,6 +9,13 @@
 //! Whole corrections are tried first: they often converge anyway, and along the curved valley of a stiff force faster than any others.
 //! Then each is shortened until the residual at its end is smaller, `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`: the natural monotonicity test,
 //! which no scaling of equations or unknowns changes (P. Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2011, section 3.3).
+//!
+//! Second derivatives of `H` may be infinite on one side, as those of `max(d, 0)^1.5` at `d = 0`. The slope of the equations beyond such a contact is unlike
+//! that before it, so that no test on norms holds, and a push along a chain of contacts reaches one unknown more in each correction. Entries of the
+//! Jacobian that are not finite are left out: for these the correction is that of the fixed point, which needs none. A third attempt goes along each
+//! correction as far as the next one does not point back: to about the zero of `s(λ) = Σ_k c_k (J⁻¹r(x - λc))_k / (|x_k| + |c_k|)²`, which is
+//! `(1 - λ) s(0)` for linear equations and needs no units. Equations that are the gradient of a convex function have one solution, and `s` has about
+//! the sign of the slope of that function.
 
 use super::convergence::{Convergence, Verdict};
 use super::dense::{Factor, is_definite};
@@ -25,6 +32,15 @@ const MOST_SHORTENED: u32 = 20;
 const MOST_HALVINGS: u32 = 64;
 /// Corrections are shortened to this fraction at most.
 const SHORTEST: f64 = 1.0 / 64.0;
+/// Corrections along which the next one points back by more than this fraction of them went too far.
+const OVERSHOT: f64 = 0.5;
+/// Such a correction is shortened until the next one, along it, is at most this fraction of it.
+const NEAR_ZERO: f64 = 0.3;
+/// More points than it takes to find that length.
+const MOST_POINTS: u32 = 40;
+/// Directed corrections after the last one that reached an unknown which none had moved before. A push along a chain reaches one more in each, and 20 to
+/// 25 more finish chains of 2 to 100 beads.
+const MOST_WITHOUT_CONTACT: u32 = 32;
 /// The second correction of a start below this fraction of the first leaves no doubt.
 const FIRST_CONTRACTION: f64 = super::convergence::FIRST;
 /// Nor do later ones below this fraction of the one before.
@@ -47,11 +63,11 @@ pub(crate) trait Problem {
     /// `r(x)`
     fn residual(&mut self, x: &Self::Vector, into: &mut Self::Vector);
 
-    /// Makes the factors of the Jacobian where the residual was evaluated last.
+    /// Makes the factors of the Jacobian where the residual was evaluated last, without its entries that are not finite; returns the number of these.
     ///
     /// # Errors
     /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; there are no factors then.
-    fn factor(&mut self) -> Result<(), StepFailure>;
+    fn factor(&mut self) -> Result<usize, StepFailure>;
 
     /// `r` becomes `J⁻¹r`.
     ///
@@ -114,59 +130,112 @@ pub(crate) fn damped<P: Problem>(
     room: &mut Room<P::Vector>,
     start: &P::Vector,
 ) -> Result<Effort, StepFailure> {
-    let mut attempt = |shortens: bool| {
+    let mut has_contacts = false;
+    let mut attempt = |lengths: Lengths| {
         room.start(start);
-        Search { problem: &mut *problem, room: &mut *room }.run(start, shortens)
+        let mut search = Search { problem, room, lengths, unmoved: usize::MAX, has_contacts: false };
+        let found = search.run(start);
+        has_contacts |= search.has_contacts;
+        // Without contacts directed corrections are no better, and most of these steps have no solution.
+        (found, has_contacts)
     };
-    attempt(false).or_else(|_| attempt(true))
+    if let (Ok(effort), _) = attempt(Lengths::Whole) {
+        return Ok(effort);
+    }
+    match attempt(Lengths::Monotone) {
+        (Err(failure), true) => attempt(Lengths::Directed).0.map_err(|cause| match failure {
+            // Nothing is finite, or nothing is left of the Jacobian.
+            StepFailure::NonFinite | StepFailure::Singular { .. } => failure,
+            _ => cause,
+        }),
+        (found, _) => found,
+    }
+}
+
+/// How far an iteration goes along its corrections.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lengths {
+    /// All the way.
+    Whole,
+    /// Until the residual is smaller.
+    Monotone,
+    /// Until the next correction neither points back nor much ahead.
+    Directed,
 }
 
 /// Where an iteration is.
 struct Search<'a, P: Problem> {
     problem: &'a mut P,
     room: &'a mut Room<P::Vector>,
+    lengths: Lengths,
+    /// The number of unknowns that no correction has moved.
+    unmoved: usize,
+    /// Whether a correction reached one of them after the first, or entries of a Jacobian were left out.
+    has_contacts: bool,
 }
 
 impl<P: Problem> Search<'_, P> {
-    /// With whole corrections, or shortened ones.
-    fn run(mut self, start: &P::Vector, shortens: bool) -> Result<Effort, StepFailure> {
-        let most = if shortens { MOST_SHORTENED } else { PATIENCE };
+    /// Iterates from `start`.
+    fn run(&mut self, start: &P::Vector) -> Result<Effort, StepFailure> {
         let mut convergence = Convergence::patient(P::UNSEEN);
-        let (mut doubtful, mut shortened) = (shortens, 0);
+        let (mut doubtful, mut shortened) = (self.lengths != Lengths::Whole, 0);
+        let (mut contacts, mut since_contact) = (0_u32, 0);
         self.problem.residual(&self.room.x, &mut self.room.first);
         self.room.correction.clone_from(&self.room.first);
-        self.problem.factor()?;
+        self.factor()?;
         self.problem.correct(&mut self.room.correction)?;
+        self.reaches();
         let is_far = !is_about(self.room.correction.as_ref(), self.room.first.as_ref());
         loop {
             self.go(1.0);
             let Room { x, correction, trial, .. } = &*self.room;
             let size = largest(correction.as_ref(), trial.as_ref(), NONE);
-            let verdict = convergence.judge(size, || {
+            let mut beyond = || {
                 let are_settled = self.problem.are_settled(x);
                 largest(correction.as_ref(), trial.as_ref(), are_settled.as_ref())
-            });
-            let is_lost = match verdict {
-                Verdict::Converged => {
+            };
+            let mut verdict = convergence.judge(size, &mut beyond);
+            // Near contacts rounding of the equations is far above that of the unknowns, and corrections stop shrinking early.
+            if self.lengths == Lengths::Directed && since_contact > 1 && beyond() == 0.0 {
+                verdict = Verdict::Converged;
+            }
+            let is_lost = match (verdict, self.lengths) {
+                (Verdict::Converged, _) => {
                     let (is_reversed, is_indefinite) =
                         (self.problem.is_reversed(), self.problem.is_indefinite());
                     let iterations = convergence.iterations;
                     let doubt = match doubtful {
+                        true if contacts > 0 => Doubt::Unbounded,
                         true => Doubt::Straying,
                         false if self.returns(start) => Doubt::None,
                         false => Doubt::OneWay,
                     };
                     return Ok(Effort { iterations, doubt, is_far, is_reversed, is_indefinite });
                 }
-                Verdict::Straying => size.is_nan() || convergence.iterations >= most,
-                Verdict::Contracting => convergence.iterations >= MOST_HALVINGS,
+                (_, Lengths::Directed) => size.is_nan() || since_contact >= MOST_WITHOUT_CONTACT,
+                (Verdict::Straying, Lengths::Whole) => size.is_nan() || convergence.iterations >= PATIENCE,
+                (Verdict::Straying, Lengths::Monotone) => {
+                    size.is_nan() || convergence.iterations >= MOST_SHORTENED
+                }
+                (Verdict::Contracting, _) => convergence.iterations >= MOST_HALVINGS,
             };
             let lost = astray(convergence.iterations, size);
             if is_lost {
                 return Err(lost);
             }
+            if self.lengths == Lengths::Directed {
+                let is_whole = self.direct(lost)?;
+                let has_contact = self.reaches();
+                contacts += u32::from(has_contact);
+                since_contact = if has_contact { 0 } else { since_contact + 1 };
+                if !is_whole {
+                    convergence.forget();
+                }
+                continue;
+            }
             let safe = if convergence.iterations == 1 { FIRST_CONTRACTION } else { SAFE_CONTRACTION };
-            let descent = self.descend(shortens, safe, lost)?;
+            let descent = self.descend(safe, lost)?;
+            contacts += u32::from(self.reaches());
             doubtful |= !descent.contracts;
             if descent.length < 1.0 {
                 shortened += 1;
@@ -178,28 +247,44 @@ impl<P: Problem> Search<'_, P> {
         }
     }
 
+    /// Makes factors.
+    ///
+    /// # Errors
+    /// Those of [`Problem::factor`]; [`StepFailure::NonFinite`] where entries are left out, which only directed corrections allow for.
+    fn factor(&mut self) -> Result<(), StepFailure> {
+        let left_out = self.problem.factor()?;
+        self.has_contacts |= left_out > 0;
+        if left_out == 0 || self.lengths == Lengths::Directed { Ok(()) } else { Err(StepFailure::NonFinite) }
+    }
+
+    /// Whether the next correction moves an unknown that none has moved before.
+    fn reaches(&mut self) -> bool {
+        let corrections = self.room.correction.as_ref();
+        let unmoved = corrections.iter().filter(|correction| correction.magnitude() == 0.0).count();
+        let has_reached = unmoved < self.unmoved;
+        self.has_contacts |= has_reached && self.unmoved < usize::MAX;
+        self.unmoved = unmoved.min(self.unmoved);
+        has_reached
+    }
+
     /// Moves `x` along its correction to where there are factors and, if corrections are shortened, the residual is
     /// smaller; an error if that is nowhere.
-    fn descend(&mut self, shortens: bool, safe: f64, lost: StepFailure) -> Result<Descent, StepFailure> {
+    fn descend(&mut self, safe: f64, lost: StepFailure) -> Result<Descent, StepFailure> {
+        let shortens = self.lengths == Lengths::Monotone;
         let mut length = 1.0;
         let mut contracts = true;
         loop {
-            self.go(length);
-            self.problem.residual(&self.room.trial, &mut self.room.residual);
-            self.room.next.clone_from(&self.room.residual);
+            self.try_length(length);
             let mut solved = self.problem.correct(&mut self.room.next);
             contracts &= length < 1.0 || solved.is_ok() && self.shrinks(safe);
             if !shortens || solved.is_ok() && self.shrinks(1.0 - 0.5 * length) {
-                self.room.next.clone_from(&self.room.residual);
-                solved = self.problem.factor().and_then(|()| self.problem.correct(&mut self.room.next));
+                solved = self.advance();
                 if solved.is_ok() {
-                    std::mem::swap(&mut self.room.x, &mut self.room.trial);
-                    std::mem::swap(&mut self.room.correction, &mut self.room.next);
                     return Ok(Descent { length, contracts });
                 }
                 // The factors at `x` again.
                 self.problem.residual(&self.room.x, &mut self.room.residual);
-                self.problem.factor()?;
+                self.factor()?;
             }
             length *= 0.5;
             if !shortens || length < SHORTEST {
@@ -207,6 +292,63 @@ impl<P: Problem> Search<'_, P> {
                 return Err(solved.err().unwrap_or(lost));
             }
         }
+    }
+
+    /// Moves `x` along its correction to where the next one does not point back; returns whether that is its end.
+    ///
+    /// # Errors
+    /// `lost` where that is nowhere, and those of the linear equations.
+    fn direct(&mut self, lost: StepFailure) -> Result<bool, StepFailure> {
+        let whole = pull(&self.room.x, &self.room.correction, &self.room.correction);
+        let (mut near, mut far) = ((0.0, whole), None);
+        let mut length = 1.0;
+        for point in 0..MOST_POINTS {
+            self.try_length(length);
+            self.problem.correct(&mut self.room.next)?;
+            let left = pull(&self.room.x, &self.room.correction, &self.room.next);
+            let allowed = if point == 0 { OVERSHOT } else { NEAR_ZERO };
+            if left.abs() <= allowed * whole || point == 0 && left > 0.0 {
+                self.advance()?;
+                return Ok(point == 0);
+            }
+            // Also where nothing is finite.
+            if left > 0.0 {
+                near = (length, left);
+            } else {
+                far = Some((length, left));
+            }
+            let Some((end, beyond)) = far else { break };
+            let secant = near.0 + (end - near.0) * near.1 / (near.1 - beyond);
+            let is_usable = point % 2 == 0 && secant > near.0 && secant < end;
+            length = if is_usable { secant } else { 0.5 * (near.0 + end) };
+        }
+        // `s` is too steep at its zero for numbers to come nearer.
+        if near.0 == 0.0 {
+            return Err(lost);
+        }
+        self.try_length(near.0);
+        self.advance()?;
+        Ok(false)
+    }
+
+    /// The trial at this length, with its residual, from which the next correction follows.
+    fn try_length(&mut self, length: f64) {
+        self.go(length);
+        self.problem.residual(&self.room.trial, &mut self.room.residual);
+        self.room.next.clone_from(&self.room.residual);
+    }
+
+    /// Moves `x` to the trial, with factors and a correction from there.
+    ///
+    /// # Errors
+    /// If there are none; `x` stays where it is, without factors.
+    fn advance(&mut self) -> Result<(), StepFailure> {
+        self.room.next.clone_from(&self.room.residual);
+        self.factor()?;
+        self.problem.correct(&mut self.room.next)?;
+        std::mem::swap(&mut self.room.x, &mut self.room.trial);
+        std::mem::swap(&mut self.room.correction, &mut self.room.next);
+        Ok(())
     }
 
     /// Whether the Jacobian at the end leads back to the start as far as one that hardly changes on the way does; unknowns whose equations are at rounding
@@ -289,6 +431,18 @@ fn leads_back<S: Scalar>(from: &[S], to: &[S], back: &[S], are_settled: &[bool])
     left <= RETURN * way
 }
 
+/// How far the correction `next` goes along `correction` at `x`, each in units of its unknown. NaN where one is not finite.
+fn pull<S: Scalar, V: AsRef<[S]>>(x: &V, correction: &V, next: &V) -> f64 {
+    let mut sum = 0.0;
+    for ((x, c), next) in x.as_ref().iter().zip(correction.as_ref()).zip(next.as_ref()) {
+        let size = x.magnitude() + c.magnitude();
+        if size > 0.0 {
+            sum += (c.lane(0) / size) * (next.lane(0) / size);
+        }
+    }
+    sum
+}
+
 /// Whether these corrections are close to the residuals from which they follow.
 fn is_about<S: Scalar>(corrections: &[S], residuals: &[S]) -> bool {
     corrections.iter().zip(residuals).all(|(&correction, &residual)| {
@@ -316,6 +470,23 @@ fn mirror<S: Scalar, const N: usize>(matrix: &mut [[S; N]; N]) {
     }
 }
 
+/// Replaces the rows and columns of unknowns with entries that are not finite by those of the identity; returns the number of these entries.
+fn leave_out<S: Scalar, const N: usize>(matrix: &mut [[S; N]; N]) -> usize {
+    let is_finite = |entry: &S| entry.magnitude().is_finite();
+    let finite = matrix.map(|row| row.iter().all(is_finite));
+    let left_out = matrix.iter().flatten().filter(|entry| !is_finite(entry)).count();
+    if left_out > 0 {
+        for (i, row) in matrix.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                if !(finite[i] && finite[j]) {
+                    *entry = S::from_f64(f64::from(i == j));
+                }
+            }
+        }
+    }
+    left_out
+}
+
 /// The equations of a straight-line block; of a `SYMMETRIC` Jacobian only the lower triangle is read.
 pub(super) struct Dense<E, S, const N: usize, const SYMMETRIC: bool> {
     equations: E,
@@ -339,14 +510,15 @@ impl<E: Equations<S, N>, S: Scalar, const N: usize, const SYMMETRIC: bool> Probl
         (*into, self.jacobian) = self.equations.evaluate(x);
     }
 
-    fn factor(&mut self) -> Result<(), StepFailure> {
+    fn factor(&mut self) -> Result<usize, StepFailure> {
         self.factor = None;
-        let mut matrix = self.jacobian;
+        let matrix = &mut self.jacobian;
         if SYMMETRIC {
-            mirror(&mut matrix);
+            mirror(matrix);
         }
-        self.factor = Some(Factor::new(matrix)?);
-        Ok(())
+        let left_out = leave_out(matrix);
+        self.factor = Some(Factor::new(*matrix)?);
+        Ok(left_out)
     }
 
     fn correct(&mut self, r: &mut [S; N]) -> Result<(), StepFailure> {
@@ -436,6 +608,43 @@ mod tests {
         };
         let ([x, y], _) = solve::<_, 2>([0.0; 2], Closures { evaluate: equations, rounded }).unwrap();
         assert!((x * 1e200 - 2.8).abs() < 1e-14 && y * 1e-200 == 2.0, "{x} {y}");
+    }
+
+    /// Twelve contacts of the force √d that just touch, of which the first is pushed: `x_i = push_i - a (s_i - s_{i-1})`, `s_i = √max(x_i - x_{i+1}, 0)`.
+    #[test]
+    fn a_push_reaches_all_contacts() {
+        const N: usize = 12;
+        let (push, a) = (1.0, 1.0);
+        let equations = |x: &[f64; N]| {
+            let d: [f64; N] = std::array::from_fn(|i| x[i] - x.get(i + 1).unwrap_or(&0.0));
+            let s = |i: usize| a * d[i].max(0.0).sqrt();
+            // Infinite at the touch, and zero before it.
+            let k = |i: usize| if d[i] < 0.0 { 0.0 } else { 0.5 * a / d[i].sqrt() };
+            let last = N - 1;
+            let mut residual = *x;
+            let mut slopes = [[0.0; N]; N];
+            residual[0] -= push;
+            for i in 0..N {
+                slopes[i][i] += 1.0;
+                if i < last {
+                    (residual[i], residual[i + 1]) = (residual[i] + s(i), residual[i + 1] - s(i));
+                    for (row, column, sign) in
+                        [(i, i, 1.0), (i, i + 1, -1.0), (i + 1, i, -1.0), (i + 1, i + 1, 1.0)]
+                    {
+                        slopes[row][column] += sign * k(i);
+                    }
+                }
+            }
+            (residual, slopes)
+        };
+        let rounded = |x: &[f64; N], _: usize| {
+            let error = 8.0 * f64::EPSILON * push;
+            equations(x).0.map(|value| Rounded { value, error })
+        };
+        let (x, effort) = solve::<_, N>([0.0; N], Closures { evaluate: equations, rounded }).unwrap();
+        assert!(equations(&x).0.iter().all(|residual| residual.abs() < 1e-14), "{x:?}");
+        assert!(x.is_sorted_by(|a, b| a > b) && x[N - 1] > 0.0, "{x:?}");
+        assert!(effort.is_unbounded() && !effort.is_reversed && effort.iterations < 60, "{effort:?}");
     }
 
     #[test]

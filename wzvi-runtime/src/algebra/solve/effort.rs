@@ -12,6 +12,8 @@ pub enum Doubt {
     None,
     /// The Jacobian at the solution does not lead back to the start.
     OneWay,
+    /// Corrections reached unknowns one after the other, as along a chain of contacts that just touch: none can be expected to contract.
+    Unbounded,
     /// The first corrections did not shrink as they do near a solution: there may be another one nearer to the start.
     Straying,
 }
@@ -55,7 +57,12 @@ impl Effort {
 
     /// Whether another solution may be nearer to the start.
     pub(crate) fn is_doubtful(self) -> bool {
-        self.doubt == Doubt::Straying
+        self.doubt >= Doubt::Unbounded
+    }
+
+    /// Whether corrections could not contract, whatever solution they lead to.
+    pub(crate) fn is_unbounded(self) -> bool {
+        self.doubt == Doubt::Unbounded
     }
 
     /// Whether the Jacobian says that a careful solution is not the one that continues the state.

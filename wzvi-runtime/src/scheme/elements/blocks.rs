@@ -47,11 +47,6 @@ impl Blocks {
         (self.count, self.of) = apart.parts();
     }
 
-    /// Whether no degree of freedom is held fixed.
-    pub(super) fn are_all(&self) -> bool {
-        self.wanted.is_none()
-    }
-
     /// Whether a degree of freedom is held fixed.
     pub(super) fn holds(&self, degree: usize) -> bool {
         self.wanted.as_ref().is_some_and(|wanted| !wanted.contains(&self.of[degree]))

@@ -1,7 +1,6 @@
 //! The equations of a step in the form that [`damped`] takes, for steps where the fast iteration fails.
 
 use super::blocks::Blocks;
-use super::jacobian::Held;
 use super::linear::Linear;
 use super::memory::{Care, Lists, Scratch, Solver};
 use super::rounding::Rounding;
@@ -78,11 +77,10 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
         self.hold(into);
     }
 
-    fn factor(&mut self) -> Result<(), StepFailure> {
+    fn factor(&mut self) -> Result<usize, StepFailure> {
         let (blocks, unknowns) = (self.blocks, self.step.scheme.unknowns);
         let is_held = |unknown| blocks.holds_unknown(unknowns, unknown);
-        let held: Held<'_> = if blocks.are_all() { None } else { Some(&is_held) };
-        self.step.factor(self.lists, self.diagonal, self.linear, true, held)
+        self.step.factor_with_care(self.lists, self.diagonal, self.linear, &is_held)
     }
 
     fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {

@@ -7,7 +7,7 @@ use super::passes::largest;
 use super::step::Step;
 use super::{By, Elements, Quadrature, Slopes, Unknowns};
 use crate::algebra::scalar::Scalar;
-use crate::algebra::solve::{Banded, Krylov, Operator, power_of_two};
+use crate::algebra::solve::{Banded, Krylov, Operator, Sparse, power_of_two};
 use crate::error::StepFailure;
 
 /// `y += A x` from the entries of `A`.
@@ -18,9 +18,6 @@ fn product<S: Scalar>(x: &[S], y: &mut [S]) -> impl FnMut(usize, usize, S) {
 
 /// Takes entries of a Jacobian where that is rare. The second derivatives of a system are long, and compiled for each type that takes them.
 type Rarely<'r, S> = &'r mut dyn FnMut(usize, usize, S);
-
-/// Rows that stay zero, if there are any.
-pub(super) type Held<'h> = Option<&'h dyn Fn(usize) -> bool>;
 
 /// The powers of two by which the two kinds of unknowns are multiplied, which is exact; `None` where there is one kind.
 type Units = Option<[f64; 2]>;
@@ -66,8 +63,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Factors the Jacobian at the current stages, without the rows that are `held`. The factors for Krylov's method are complete if `all` and
-    /// cheap enough.
+    /// Factors the Jacobian at the current stages. The factors for Krylov's method are complete if `all` and cheap enough.
     ///
     /// # Errors
     /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`] of a band.
@@ -77,36 +73,67 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         diagonal: &mut [S],
         linear: &mut Linear<S>,
         all: bool,
-        held: Held<'_>,
     ) -> Result<(), StepFailure> {
         self.differentiate_velocities(lists, diagonal);
         match linear {
             Linear::Band(band) => {
                 band.reset();
-                match held {
-                    None => self.add_to(band, lists, diagonal),
-                    Some(is_held) => self.entries_rarely(lists, diagonal, &mut |i, j, value| {
-                        if !is_held(i) {
-                            band.add(i, j, value);
-                        }
-                    }),
-                }
+                self.add_to(band, lists, diagonal);
                 band.factor()
             }
             Linear::Krylov(wide) => {
-                let (scheme, degrees) = (self.scheme, self.degrees());
-                let pattern = |visit: Visit<'_>| pattern(self.system, scheme, degrees, visit);
-                let factors = wide.room(&pattern, scheme.unknowns.count(degrees), all);
-                factors.reset();
-                self.entries_rarely(lists, diagonal, &mut |i, j, value| {
-                    if !held.is_some_and(|is_held| is_held(i)) {
-                        factors.add(i, j, value);
-                    }
-                });
+                wide.leaves_out = false;
+                let factors = self.reset(wide, all);
+                self.entries_rarely(lists, diagonal, &mut |i, j, value| factors.add(i, j, value));
                 factors.factor();
                 Ok(())
             }
         }
+    }
+
+    /// [`Step::factor`] without the rows that are held and without entries that are not finite; returns the number of the latter.
+    ///
+    /// # Errors
+    /// Those of [`Step::factor`].
+    pub(super) fn factor_with_care(
+        &self,
+        lists: &Lists<'_, S>,
+        diagonal: &mut [S],
+        linear: &mut Linear<S>,
+        is_held: &dyn Fn(usize) -> bool,
+    ) -> Result<usize, StepFailure> {
+        self.differentiate_velocities(lists, diagonal);
+        let mut left_out = 0;
+        let mut add = |into: Rarely<'_, S>| {
+            self.entries_rarely(lists, diagonal, &mut |i, j, value| match value.magnitude().is_finite() {
+                _ if is_held(i) => {}
+                true => into(i, j, value),
+                false => left_out += 1,
+            });
+        };
+        match linear {
+            Linear::Band(band) => {
+                band.reset();
+                add(&mut |i, j, value| band.add(i, j, value));
+                band.factor()?;
+            }
+            Linear::Krylov(wide) => {
+                let factors = self.reset(wide, true);
+                add(&mut |i, j, value| factors.add(i, j, value));
+                factors.factor();
+                wide.leaves_out = left_out > 0;
+            }
+        }
+        Ok(left_out)
+    }
+
+    /// The preconditioner, as that of the identity.
+    fn reset<'w>(&self, wide: &'w mut Wide<S>, all: bool) -> &'w mut Sparse<S> {
+        let (scheme, degrees) = (self.scheme, self.degrees());
+        let pattern = |visit: Visit<'_>| pattern(self.system, scheme, degrees, visit);
+        let factors = wide.room(&pattern, scheme.unknowns.count(degrees), all);
+        factors.reset();
+        factors
     }
 
     /// Multiplies the correction by `J⁻¹`, up to `tolerance` with Krylov's method; returns the number of its Jacobian products. On `Err` the
@@ -127,7 +154,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 Ok(None)
             }
             Linear::Krylov(wide) => {
-                let Wide { krylov, room, factors } = &mut **wide;
+                let Wide { krylov, room, factors, leaves_out } = &mut **wide;
                 let (factors, all) = factors.as_mut().ok_or(StepFailure::NonFinite)?;
                 let correction = std::mem::take(&mut lists.correction);
                 let units = units(self.scheme.unknowns, lists.x, correction);
@@ -139,7 +166,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 let stages = lists.lend();
                 let operator = &mut Operator {
                     product: &mut |x: &[S], y: &mut [S]| {
-                        self.product(&stages, diagonal, units, (x, y), room);
+                        self.product((&stages, diagonal, *leaves_out), units, (x, y), room);
                     },
                     precondition: &mut |x: &mut [S]| {
                         multiply(x, units);
@@ -156,15 +183,27 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// `y = J x` at the current stages, with each kind of unknown in its own unit, so that one norm covers both.
+    /// `y = J x` at the current stages, with each kind of unknown in its own unit, so that one norm covers both; without the entries that are not finite
+    /// where `leaves_out`.
     fn product(
         &self,
-        lists: &Lists<'_, S>,
-        diagonal: &[S],
+        (lists, diagonal, leaves_out): (&Lists<'_, S>, &[S], bool),
         units: Units,
         (x, y): (&[S], &mut [S]),
         room: &mut Vec<S>,
     ) {
+        if leaves_out {
+            room.clear();
+            room.extend_from_slice(x);
+            multiply(room, units);
+            y.copy_from_slice(room);
+            self.entries_rarely(lists, diagonal, &mut |i, j, value| {
+                if value.magnitude().is_finite() {
+                    y[i] = y[i] + value * room[j];
+                }
+            });
+            return multiply(y, inverse(units));
+        }
         if units.is_none() {
             y.copy_from_slice(x);
             return self.entries(lists, diagonal, &mut product(x, y));

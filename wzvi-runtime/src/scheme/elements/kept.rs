@@ -222,7 +222,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         step.residual(lists);
         kept.made = Made::Unknown;
         kept.work.factorisations += 1;
-        let made = step.factor(lists, diagonal, linear, anchor.all, None);
+        let made = step.factor(lists, diagonal, linear, anchor.all);
         kept.anchor = anchor;
         if made.is_ok() {
             kept.made = Made::AtAnchor;
@@ -245,7 +245,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         kept.made = Made::Unknown;
         kept.work.factorisations += 1;
         let all = kept.wants_all();
-        self.factor(lists, diagonal, linear, all, None)?;
+        self.factor(lists, diagonal, linear, all)?;
         if !self.scheme.is_linear && linear.is_reversed() {
             // A negative determinant indicates a fold: the careful solver is needed.
             return Err(astray(0, f64::INFINITY));

@@ -41,6 +41,8 @@ pub(super) struct Wide<S> {
     pub(super) room: Vec<S>,
     /// The factors, allocated at their first use, and whether complete ones were requested.
     pub(super) factors: Option<(Sparse<S>, bool)>,
+    /// Whether products with the matrix leave out entries that are not finite.
+    pub(super) leaves_out: bool,
 }
 
 impl<S: Scalar> Wide<S> {
@@ -92,6 +94,7 @@ impl<S: Scalar> Linear<S> {
                 krylov: Krylov::new(unknowns),
                 room: Vec::new(),
                 factors: None,
+                leaves_out: false,
             })),
         }
     }

@@ -249,7 +249,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
         into.iter_mut().zip(x).for_each(|(next, x)| *next = *x - *next);
     }
 
-    fn factor(&mut self) -> Result<(), StepFailure> {
+    fn factor(&mut self) -> Result<usize, StepFailure> {
         let (degrees, unknowns) = (self.degrees(), self.unknowns());
         let mut matrix = match self.jacobian.matrix.take() {
             Some(matrix) => matrix,
@@ -261,8 +261,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
         if F::IS_NYSTROM {
             self.invert_mass();
         }
+        let mut left_out = 0;
         for j in 0..N {
             self.second_derivatives(j);
+            left_out += leave_out(&mut self.jacobian.hessian, 2 * degrees);
             for a in 0..degrees {
                 for b in 0..degrees {
                     self.add_entries(&mut matrix, j, [a, b]);
@@ -271,7 +273,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
         }
         let factored = matrix.factor();
         self.jacobian.matrix = Some(matrix);
-        factored
+        factored.map(|()| left_out)
     }
 
     fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {
@@ -295,4 +297,20 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
     fn is_reversed(&self) -> bool {
         self.jacobian.matrix.as_ref().is_some_and(Banded::is_reversed)
     }
+}
+
+/// Removes the rows and columns with entries that are not finite from a matrix of this size; returns the number of these entries.
+fn leave_out(matrix: &mut [f64], size: usize) -> usize {
+    let left_out = matrix.iter().filter(|entry| !entry.is_finite()).count();
+    if left_out > 0 {
+        let is_finite = |row: &[f64]| row.iter().all(|entry| entry.is_finite());
+        let finite: Vec<bool> = matrix.chunks_exact(size).map(is_finite).collect();
+        for (i, row) in matrix.chunks_exact_mut(size).enumerate() {
+            row.iter_mut()
+                .zip(&finite)
+                .filter(|(_, other)| !(finite[i] && **other))
+                .for_each(|(entry, _)| *entry = 0.0);
+        }
+    }
+    left_out
 }
