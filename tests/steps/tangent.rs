@@ -7,6 +7,7 @@ use fixtures::stiff::another_solution_is_named_or_there_is_none;
 use wzvi::error::Error;
 use wzvi::nalgebra::{self, DMatrix};
 use wzvi::prelude::*;
+use wzvi::system::Gradient;
 
 use crate::constants::check_schemes;
 
@@ -295,4 +296,107 @@ fn derivatives_out_of_range_are_named_with_their_size() {
     // A power of the matrix of one step, whose larger eigenvalue is e^x with cosh x = 1 + h²/2.
     let (held, rate) = (run(600.0).unwrap().by_start[(0, 0)], 1.005_f64.acosh());
     assert!((held.ln() - (6000.0 * rate + 0.5_f64.ln())).abs() < 1e-9, "{held:e}");
+}
+
+/// Sites with a quartic well, in a square lattice of `n * n`.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+        + q.iter().map(|q| 0.5 * q * q + 0.25 * q.powi(4)).sum::<f64>()
+        + (0..self.n * self.n).map(|i| {
+            0.5 * self.k * (q[(i + self.n) % (self.n * self.n)] - q[i]).powi(2)
+                + 0.5 * self.k * (q[(i + 1) % (self.n * self.n)] - q[i]).powi(2)
+        }).sum::<f64>(),
+    embedding = [Midpoint, Gauss<2>, Gauss<4>],
+)]
+struct Lattice {
+    n: usize,
+    k: f64,
+}
+
+fn lattice(n: usize) -> State<nalgebra::DVector<f64>> {
+    let list = |of: fn(f64) -> f64| (0..n * n).map(|i| 0.7 * of(i as f64)).collect::<Vec<_>>();
+    State::new(list(f64::sin), list(f64::cos))
+}
+
+/// All columns of sites that are not linear, by sweeps, by a band and by a whole matrix: symplectic, and the slopes of the end.
+#[test]
+fn one_factorisation_serves_all_columns() {
+    fn check<E>(n: usize, k: f64, h: f64)
+    where
+        Lattice: Discretized<E, Vector = nalgebra::DVector<f64>>,
+    {
+        let system = Lattice { n, k };
+        let run = |start| system.simulate::<E>(h).start(start).steps(8);
+        let tangent = run(lattice(n)).tangent().unwrap();
+        // Eight matrices, each with the rounding of a solution of condition `k h²` at most, here 100.
+        assert!(defect(&tangent.by_start) < 1e-12, "{}", defect(&tangent.by_start));
+        for column in [0, n * n + 1] {
+            let end = |distance: f64| {
+                let mut start = lattice(n);
+                match column < n * n {
+                    true => start.q[column] += distance,
+                    false => start.p[column - n * n] += distance,
+                }
+                let path = run(start).run().unwrap();
+                path.last().q.iter().chain(path.last().p.iter()).copied().collect::<Vec<f64>>()
+            };
+            for (row, (plus, minus)) in end(1e-5).into_iter().zip(end(-1e-5)).enumerate() {
+                let (ours, slope) = (tangent.by_start[(row, column)], (plus - minus) / 2e-5);
+                // The square of the distance times third derivatives, and a rounding over it.
+                assert!((ours - slope).abs() < 1e-7, "{row} {column}: {ours} {slope}");
+            }
+        }
+    }
+    check::<Midpoint>(3, 1.0, 0.1);
+    check::<Midpoint>(3, 100.0, 1.0);
+    check::<Gauss<2>>(3, 1.0, 0.1);
+    check::<Gauss<2>>(3, 100.0, 1.0);
+    check::<Gauss<4>>(2, 1.0, 0.2);
+    check::<Gauss<4>>(2, 100.0, 1.0);
+}
+
+/// A lattice whose matrix is not factored: the gradient of `q_0²` of the end along one direction of the start.
+#[test]
+fn columns_of_large_lattices_need_no_matrix() {
+    let system = Lattice { n: 48, k: 4.0 };
+    let run = |start| system.simulate::<Midpoint>(0.8).start(start).steps(1);
+    let gradient = |end: &State<nalgebra::DVector<f64>>| {
+        let mut gradient = Gradient { q: 0.0 * &end.q, p: 0.0 * &end.p };
+        gradient.q[0] = 2.0 * end.q[0];
+        gradient
+    };
+    let adjoint = run(lattice(48)).adjoint::<Midpoint>(gradient).unwrap();
+    let along = |distance: f64| {
+        let mut start = lattice(48);
+        start.q.iter_mut().enumerate().for_each(|(i, q)| *q += distance * (0.3 * i as f64).sin());
+        run(start).run().unwrap().last().q[0].powi(2)
+    };
+    let ours: f64 =
+        adjoint.by_start.q.iter().enumerate().map(|(i, slope)| slope * (0.3 * i as f64).sin()).sum();
+    let slope = (along(1e-5) - along(-1e-5)) / 2e-5;
+    // As above.
+    assert!((ours - slope).abs() < 1e-7 * slope.abs().max(1.0), "{ours} {slope}");
+}
+
+#[hamiltonian(drift = |q, p| 0.5 * p * p + q.abs().powf(1.5), embedding = [Midpoint, Gauss<2>, Verlet])]
+struct Cusp;
+
+/// At rest where the second derivative of the potential energy is infinite, the end is finite, and its derivative is not.
+#[test]
+fn infinite_second_derivatives_are_named() {
+    fn check<E>()
+    where
+        Cusp: Discretized<E, Vector = nalgebra::SVector<f64, 1>>,
+    {
+        let run = |q: f64, p: f64| Cusp.simulate::<E>(0.1).start(State::new([q], [p])).steps(20).tangent();
+        let Err(Error::Derivative(error)) = run(0.0, 0.0) else { panic!("it has a derivative") };
+        assert_eq!((error.step, error.t, error.ln_size), (0, 0.0, f64::INFINITY), "{error}");
+        assert_eq!(error.by, "`q` of the start");
+        // Through it at speed, and never at it.
+        let tangent = run(-0.5321, 1.0).unwrap();
+        assert!((tangent.by_start.determinant() - 1.0).abs() < 1e-12, "{}", tangent.by_start);
+    }
+    check::<Midpoint>();
+    check::<Gauss<2>>();
+    check::<Verlet>();
 }

@@ -66,6 +66,8 @@ pub enum Request {
     Share(Threads),
     /// Solve some of the [blocks](Report::blocks) alone, and leave the others where they are.
     Restrict(Range<usize>),
+    /// So many derivatives of each step follow from one solution of its equations, over all steps in numbers with derivatives.
+    Derivatives(usize),
 }
 
 /// How steps are solved.
@@ -108,6 +110,10 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
     fn adopt(&mut self, left: Self) {
         *self = left;
     }
+
+    /// Of a step in numbers with derivatives: hands what is known of its values, and the factors there, to the memory of others. `are_solved`: these
+    /// take the same step, and need not solve it again.
+    fn hand_values(&mut self, _to: &mut Self, _are_solved: bool) {}
 
     /// Becomes a copy, without allocating where it has room.
     #[cfg_attr(not(debug_assertions), inline(always))]

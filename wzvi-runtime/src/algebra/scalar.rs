@@ -108,6 +108,19 @@ pub trait Scalar:
 
     /// The number of one lane, without derivatives.
     fn lane(self, lane: usize) -> f64;
+    /// Derivatives that it carries, where they are of type `f64`.
+    const DERIVATIVES: usize = 0;
+    /// One of them.
+    fn derivative(self, _number: usize) -> f64 {
+        0.0
+    }
+    /// Replaces one of them.
+    fn set_derivative(&mut self, _number: usize, _derivative: f64) {}
+    /// Its derivatives with the value 0.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn infinitesimal(self) -> Self {
+        self - Self::from_f64(self.lane(0))
+    }
     /// How large the number is against `|other|`, part by part (value, derivatives, lanes): the largest ratio, 0 for a part
     /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to the divisor: a number that is nearest to
     /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.

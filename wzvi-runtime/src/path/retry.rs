@@ -25,7 +25,7 @@ use crate::path::step::{StepInfo, Stepper};
 use crate::path::steps::{Single, Step};
 use crate::path::watch::{AGREEMENT, Watch, disagreement};
 use crate::scheme::plan::NoiseClass;
-use crate::scheme::system::{CarryOf, Discretized, Hamiltonian};
+use crate::scheme::system::{CarryOf, Discretized, Hamiltonian, MemoryOf};
 
 /// How often steps may be halved. The default is never, because the long-time behaviour of a symplectic scheme depends on uniform steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -157,6 +157,11 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
             self.stepper.set_exchanged(exchanged);
         }
         Ok(())
+    }
+
+    /// What the last step left, if it was taken as a whole.
+    pub(crate) fn memory(&self, taken: StepInfo) -> Option<&MemoryOf<H, E, f64>> {
+        (self.way == Way::Whole && taken.halvings == 0).then(|| self.stepper.memory())
     }
 
     /// The parts of a step that was halved so often, once more.

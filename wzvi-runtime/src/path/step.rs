@@ -34,7 +34,8 @@ pub struct StepInfo {
     /// mean that the step is long for the fastest motion. Of a halved step: whether one of its parts was hard.
     pub is_hard: bool,
     /// Whether the solution could not be followed from the state along the step. Only the orientation of its Jacobian then says that it is
-    /// the connected one. The step is far too long for a stiff force. Of a halved step: whether this holds for one of its parts.
+    /// the connected one. The step is far too long for a stiff force, or a push went along contacts that just touch. Of a halved step: whether
+    /// this holds for one of its parts.
     pub is_doubtful: bool,
 }
 
@@ -180,6 +181,11 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// Whether rounding errors are carried from step to step.
     pub fn is_compensated(&self) -> bool {
         C::CARRIES
+    }
+
+    /// What the last step left for the next.
+    pub(crate) fn memory(&self) -> &MemoryOf<H, E, f64> {
+        &self.memory
     }
 
     /// The step size.

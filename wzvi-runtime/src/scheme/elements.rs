@@ -32,6 +32,7 @@ mod blocks;
 mod careful;
 mod change;
 mod costs;
+mod differentiate;
 mod explicit;
 mod hamiltonian;
 mod in_loops;

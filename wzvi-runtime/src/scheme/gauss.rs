@@ -168,6 +168,10 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
         advance::advance::<F, K, S, C, N, CAREFUL>(system, prepared, at.lists(), memory, carry)
     }
 
+    fn hand_values<S: Scalar>(from: &Self::Memory<f64>, to: &mut Self::Memory<S>) {
+        kept::hand_values(from, to);
+    }
+
     fn slopes_between(
         system: &F,
         (prepared, memory): (&Self::Prepared<f64>, &Self::Memory<f64>),

@@ -267,6 +267,15 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     fn lane(self, lane: usize) -> f64 {
         self.value.lane(lane)
     }
+    const DERIVATIVES: usize = if size_of::<S>() == size_of::<f64>() { N } else { 0 };
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn derivative(self, number: usize) -> f64 {
+        self.derivative[number].lane(0)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn set_derivative(&mut self, number: usize, derivative: f64) {
+        self.derivative[number] = S::from_f64(derivative);
+    }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(self) -> S::Mask {
         let mut all = self.value.is_finite();

@@ -9,7 +9,7 @@ use crate::error::{ConfigError, DerivativeError, StepError, StepFailure};
 use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::retry::Subdivision;
-use crate::path::simulate::{BESIDE, Columns};
+use crate::path::simulate::{BESIDE, Columns, SharedStep};
 use crate::path::steps::Step;
 use crate::scheme::system::{Discretized, as_they_are};
 
@@ -36,6 +36,7 @@ pub(super) struct Frame<'a, H: Discretized<E>, E> {
     /// The size of the present steps.
     h: f64,
     blocks: Vec<Columns<H, E, f64, BESIDE>>,
+    shared: SharedStep<H, E, BESIDE>,
     /// The deviations as lists, for what is not done in blocks.
     lists: Vec<Vec<f64>>,
     dw: Vec<Dual<BESIDE>>,
@@ -65,6 +66,7 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
             system,
             h,
             blocks: deviations.chunks(BESIDE).map(block).collect::<Result<_, ConfigError>>()?,
+            shared: SharedStep::new(deviations.len()),
             lists: deviations.to_vec(),
             dw: Vec::new(),
             before: start.clone(),
@@ -94,17 +96,20 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
             }
         }
         copy_state(&mut self.before, state);
-        whole.take_step(Step { state: &mut *state, interval, noise, dw: &mut *dw })?;
+        let taken = whole.take_step(Step { state: &mut *state, interval, noise, dw: &mut *dw })?;
+        self.shared.begin(whole.memory(taken));
         self.dw.clear();
         self.dw.extend(dw.iter().map(|dw| Dual::constant(*dw)));
-        let Self { system, h, blocks, dw, before, end, .. } = self;
+        let Self { system, h, blocks, shared, dw, before, end, .. } = self;
         let (step, t, h) = (interval.step, before.t, *h);
         for (block, columns) in blocks.iter_mut().enumerate() {
-            columns.vary(system, step, [before, state], dw, end).map_err(|cause| match cause {
-                // The step itself has a finite end.
-                StepFailure::NonFinite => lost(BESIDE * block, f64::INFINITY, step, t),
-                cause => StepError { step, t, h, cause }.into(),
-            })?;
+            columns.vary_sharing(shared, system, step, [before, state], dw, end).map_err(
+                |cause| match cause {
+                    // The step itself has a finite end.
+                    StepFailure::NonFinite => lost(BESIDE * block, f64::INFINITY, step, t),
+                    cause => StepError { step, t, h, cause }.into(),
+                },
+            )?;
             columns.rescale();
         }
         Ok(())

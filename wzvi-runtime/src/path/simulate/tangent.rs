@@ -73,8 +73,9 @@ where
     N: Noise,
     S: Summation<H, E>,
 {
-    /// Runs the path together with the derivative of its end by its start: dual numbers pass through every step, including the solution of its
-    /// equations, with the same increments. Each step takes `⌈d/2⌉` more in dual numbers of four derivatives, for `d` degrees of freedom.
+    /// Runs the path together with the derivative of its end by its start: dual numbers pass through every step, with the same increments.
+    /// An explicit step is repeated `⌈d/2⌉` times in dual numbers of four derivatives, for `d` degrees of freedom. An implicit one is solved without
+    /// them; one factorisation of its Jacobian at the solution serves all columns, `x' = (1 - ∂φ/∂x)⁻¹ φ'` for the equations `x = φ(x)`.
     ///
     /// ```ignore
     /// use wzvi::prelude::*;
@@ -156,6 +157,7 @@ struct Varied<'a, H: Discretized<E>, E> {
     /// By the state of the start, and by parameters and the step size.
     by_start: Vec<Columns<H, E, f64, BESIDE>>,
     by_constants: Vec<Columns<H, E, Number, BESIDE>>,
+    shared: SharedStep<H, E, BESIDE>,
     /// The names of those parameters, and their numbers.
     names: Vec<String>,
     numbers: Vec<usize>,
@@ -176,6 +178,30 @@ pub(crate) struct Columns<H: Discretized<E>, E, K: Constant, const N: usize> {
     /// The derivatives of each column are `2^exponent` times those of the numbers.
     pub(crate) exponents: [i64; N],
     memory: MemoryOf<H, E, Dual<N>>,
+}
+
+/// What columns of derivatives of one step have in common: its values, and the factors of its Jacobian.
+pub(crate) struct SharedStep<H: Discretized<E>, E, const N: usize> {
+    memory: MemoryOf<H, E, Dual<N>>,
+    /// Whether they belong to the next step, too.
+    is_solved: bool,
+    /// The number of columns.
+    count: usize,
+}
+
+impl<H: Discretized<E>, E, const N: usize> SharedStep<H, E, N> {
+    /// For so many columns.
+    pub(crate) fn new(count: usize) -> Self {
+        Self { memory: Default::default(), is_solved: false, count }
+    }
+
+    /// Begins a step, whose solution may be in the memory of a stepper that has taken it.
+    pub(crate) fn begin(&mut self, taken: Option<&MemoryOf<H, E, f64>>) {
+        self.is_solved = false;
+        if let Some(taken) = taken {
+            SchemeOf::<H, E>::hand_values(taken, &mut self.memory);
+        }
+    }
 }
 
 impl<H: Discretized<E>, E, K: Constant, const N: usize> Columns<H, E, K, N>
@@ -270,6 +296,32 @@ where
     }
 }
 
+impl<H: Discretized<E>, E, K: Constant, const N: usize> Columns<H, E, K, N>
+where
+    Dual<N>: Over<K>,
+{
+    /// [`Columns::vary`] with what other columns have found of the same step.
+    ///
+    /// # Errors
+    /// Those of [`Columns::vary`].
+    pub(crate) fn vary_sharing(
+        &mut self,
+        shared: &mut SharedStep<H, E, N>,
+        system: &H,
+        step: u64,
+        ends: [&State<H::Vector>; 2],
+        dw: &[Dual<N>],
+        end: &mut H::Vector,
+    ) -> Result<(), StepFailure> {
+        self.memory.tell(&Request::Derivatives(shared.count));
+        shared.memory.hand_values(&mut self.memory, shared.is_solved);
+        let varied = self.vary(system, step, ends, dw, end);
+        self.memory.hand_values(&mut shared.memory, false);
+        shared.is_solved = varied.is_ok();
+        varied
+    }
+}
+
 /// Columns of a matrix, by row `(q, p)`.
 fn matrix<H: Discretized<E>, E, K: Constant>(
     columns: &[Columns<H, E, K, BESIDE>],
@@ -354,6 +406,7 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
             h,
             by_start: firsts.map(of_start).collect::<Result<_, ConfigError>>()?,
             by_constants,
+            shared: SharedStep::new(2 * degrees + parameters.map_or(0, |names| names.len() + 1)),
             names: parameters.unwrap_or_default().iter().map(|&name| format!("`{name}`")).collect(),
             numbers: numbers.unwrap_or_default(),
             dw: Vec::new(),
@@ -367,18 +420,18 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
     /// # Errors
     /// If a step has no solution, another one, or no finite derivative.
     fn vary(&mut self, step: u64, after: &State<H::Vector>, dw: &[f64]) -> Result<(), Error> {
-        let Self { system, by_start, by_constants, dw: own, before, end, .. } = self;
+        let Self { system, by_start, by_constants, shared, dw: own, before, end, .. } = self;
         own.clear();
         own.extend(dw.iter().map(|dw| Dual::constant(*dw)));
         let mut failed = None;
         for (block, columns) in by_start.iter_mut().enumerate() {
-            let varied = columns.vary(system, step, [before, after], own, end);
+            let varied = columns.vary_sharing(shared, system, step, [before, after], own, end);
             failed =
                 failed.or(varied.err().map(|cause| (cause, By::Start(BESIDE * block + columns.largest()))));
             columns.rescale();
         }
         for (block, columns) in by_constants.iter_mut().enumerate() {
-            let varied = columns.vary(system, step, [before, after], own, end);
+            let varied = columns.vary_sharing(shared, system, step, [before, after], own, end);
             failed = failed
                 .or(varied.err().map(|cause| (cause, By::Constant(BESIDE * block + columns.largest()))));
         }
@@ -432,7 +485,8 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
             self.resize(whole.size(), interval.step)?;
         }
         copy_state(&mut self.before, state);
-        whole.take_step(Step { state, interval, noise, dw })?;
+        let taken = whole.take_step(Step { state, interval, noise, dw })?;
+        self.shared.begin(whole.memory(taken));
         self.vary(interval.step, state, dw)
     }
 

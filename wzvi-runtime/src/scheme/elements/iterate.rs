@@ -86,6 +86,13 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
     let dw = super::increments(system, dw)?;
     let step = Step { system, scheme, t, h, parameters, q, p, dw, increment: None };
     let degrees = step.degrees();
+    if scheme.takes_values_first::<S>() {
+        let effort = step.differentiate::<CAREFUL>(memory)?;
+        let mut lists = memory.work.lists(scheme, degrees);
+        step.finish(&mut lists);
+        lists.store(q, p, carry)?;
+        return Ok(effort);
+    }
     let (effort, solution) = if CAREFUL {
         let effort = step.careful(memory)?;
         let mut lists = memory.work.lists(scheme, degrees);
@@ -127,9 +134,9 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
 }
 
 /// The outcome of the fast iteration.
-struct Solved {
-    iterations: u32,
-    solution: Solution,
+pub(super) struct Solved {
+    pub(super) iterations: u32,
+    pub(super) solution: Solution,
 }
 
 /// The state of the fast iteration.
@@ -171,7 +178,7 @@ struct Taken<S> {
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns by the fast iteration.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
+    pub(super) fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         if const { is_side_by_side::<S>() } {
             // Where steps begin with another method paths go alone, and one that turns out to need it ends with an error.
             debug_assert!(

@@ -2,6 +2,7 @@
 
 use super::blocks::Blocks;
 use super::costs::Costs;
+use super::differentiate::Values;
 use super::jacobian::{Visit, pattern};
 use super::kept::Kept;
 use super::linear::Linear;
@@ -29,6 +30,8 @@ pub struct Memory<S: Scalar> {
     pub(super) blocks: Blocks,
     /// The windows of explicit steps of a large system.
     pub(super) plan: WindowPlan,
+    /// Where numbers carry derivatives, the values of implicit steps.
+    pub(super) values: Option<Box<Values<S>>>,
 }
 
 /// The data of the iteration that outlast a step.
@@ -338,11 +341,21 @@ impl<S: Scalar> Numbers for Memory<S> {
             }
         }
         self.solver.kept.pass(tape);
+        if const { S::DERIVATIVES > 0 } {
+            let mut is_there = self.values.is_some();
+            tape.flag(&mut is_there);
+            if is_there {
+                self.values.get_or_insert_default().memory.pass(tape);
+            }
+        }
     }
 }
 
 impl<S: Scalar> StepMemory for Memory<S> {
     fn tell(&mut self, request: &Request) {
+        if let Some(values) = &mut self.values {
+            values.memory.tell(request);
+        }
         match request {
             Request::Forget => {
                 self.known = 0;
@@ -356,6 +369,7 @@ impl<S: Scalar> StepMemory for Memory<S> {
                 self.solver.sweeps = None;
             }
             Request::Restrict(blocks) => self.blocks.restrict(blocks.clone()),
+            Request::Derivatives(_) => {}
         }
     }
 
@@ -379,6 +393,13 @@ impl<S: Scalar> StepMemory for Memory<S> {
         }
         if self.known == 0 && self.solver.past[0].len() != self.remembered {
             self.solver.past.iter_mut().for_each(|past| past.resize(self.remembered, S::from_f64(0.0)));
+        }
+    }
+
+    fn hand_values(&mut self, to: &mut Self, are_solved: bool) {
+        std::mem::swap(&mut self.values, &mut to.values);
+        if let Some(values) = &mut to.values {
+            values.are_solved = are_solved;
         }
     }
 
@@ -456,7 +477,8 @@ impl<S: Scalar> Memory<S> {
             let linear = is_implicit.then(|| Linear::<f64>::new(&pattern, unknowns));
             self.solver.costs = Costs::of(entries, unknowns, linear.as_ref());
         } else {
-            self.solver.linear = is_implicit.then(|| Linear::new(&pattern, unknowns));
+            let has_factors = is_implicit && !scheme.takes_values_first::<S>();
+            self.solver.linear = has_factors.then(|| Linear::new(&pattern, unknowns));
             self.solver.costs = Costs::of(entries, unknowns, self.solver.linear.as_ref());
         }
     }

@@ -1,6 +1,7 @@
 //! The quadrature of a scheme, as the compiler derived it.
 
 use super::hamiltonian::{COUNTER_TERM, DRIFT, NOISE};
+use crate::algebra::scalar::Scalar;
 use crate::scheme::plan::{Facts, KeptEnergy, Plan, Solver};
 use crate::scheme::poles::Poles;
 
@@ -82,6 +83,12 @@ pub struct Quadrature {
 }
 
 impl Quadrature {
+    /// Whether implicit steps in numbers with derivatives are solved for the values first. Linear equations are solved by one correction in any numbers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) const fn takes_values_first<S: Scalar>(&self) -> bool {
+        S::DERIVATIVES > 0 && !self.is_linear && !matches!(self.unknowns, Unknowns::None)
+    }
+
     /// For steps in straight-line code: only the momentum between two states, if anything, is solved with it.
     pub const fn new(stages: &'static [Stage], update: MomentumUpdate) -> Self {
         Self { stages, update, unknowns: Unknowns::Momenta, remembers: false, is_linear: false }

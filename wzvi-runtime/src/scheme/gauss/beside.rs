@@ -8,15 +8,16 @@ use super::Field;
 use super::advance::advance;
 use super::choice::Waits;
 use super::equations::Step;
-use super::kept::{LeftOf, Lists, Memory};
+use super::kept::{Known, LeftOf, Lists, Memory, OfStages};
 use super::stages::Stages;
 use super::sweep::{Solved, Swept};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::Iteration;
-use crate::algebra::scalar::{Constant, Mask, Over, Parameters};
+use crate::algebra::scalar::{Constant, Mask, Over, Parameters, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::{Doubt, Effort};
 use crate::error::StepFailure;
+use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::system::At;
 
 /// Parts in which a solution that is followed is reached: where these take fewer sweeps than Newton's method,
@@ -30,6 +31,34 @@ pub(super) struct Alone<H: Shape, W: Shape, const N: usize> {
     q: Vec<f64>,
     p: Vec<f64>,
     dw: Vec<f64>,
+}
+
+impl<H: Shape, W: Shape, const N: usize> Alone<H, W, N> {
+    /// Reads the start of one path, and its increments.
+    fn read<S: Scalar>(&mut self, lane: usize, [q, p]: [&[S]; 2], dw: &[S]) {
+        for (own, all) in [(&mut self.q, q), (&mut self.p, p), (&mut self.dw, dw)] {
+            own.clear();
+            own.extend(all.iter().map(|number| number.lane(lane)));
+        }
+        self.memory.fit(q.len(), dw.len());
+    }
+
+    /// Passes what its steps leave for the next.
+    pub(super) fn pass(&mut self, tape: &mut Tape) {
+        self.memory.pass(tape);
+    }
+
+    /// Takes over the slopes of a step of this path, and how the next one starts.
+    pub(super) fn read_slopes(&mut self, slopes: &[OfStages<f64, H, N>; 2], waits: Waits<f64>) {
+        self.memory.fit(slopes[0].as_ref().len(), self.dw.len());
+        self.memory.left.past.clone_from(slopes);
+        (self.memory.left.is_known, self.memory.left.waits) = (true, waits);
+    }
+
+    /// Whether its sweeps were given up in favour of Newton's method.
+    pub(super) fn prefers_newton(&self) -> bool {
+        self.memory.left.waits.prefer_newton()
+    }
 }
 
 impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
@@ -46,7 +75,11 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         left: &mut LeftOf<F, S, N>,
         carry: &C,
     ) -> Result<Solved<S>, StepFailure> {
-        let solved = self.solve::<CAREFUL>(lists, left)?;
+        let solved = if const { S::DERIVATIVES > 0 } && self.factors_once(left) {
+            self.differentiate::<CAREFUL>(state, dw, lists, left)?
+        } else {
+            self.solve::<CAREFUL>(lists, left)?
+        };
         if !self.finish(state, dw, lists, carry).all() {
             return Err(StepFailure::NonFinite);
         }
@@ -163,6 +196,60 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         Ok(solved)
     }
 
+    /// Solves for the stages of one path, and for the derivatives that its numbers carry: first for the values alone, then by one factorisation.
+    ///
+    /// # Errors
+    /// Those of the step, and of [`Step::differentiate_stages`].
+    #[inline(never)]
+    fn differentiate<const CAREFUL: bool>(
+        &self,
+        [q, p]: [&[S]; 2],
+        dw: &[S],
+        lists: &mut Lists<S, F::Shape, N>,
+        left: &mut LeftOf<F, S, N>,
+    ) -> Result<Solved<S>, StepFailure> {
+        let mut room = left.alone.take().unwrap_or_default();
+        let known = std::mem::replace(&mut left.known, Known::Nothing);
+        let solved = match known {
+            Known::Nothing => self.take_values::<CAREFUL>([q, p], dw, left, &mut room),
+            Known::Slopes | Known::Factors => Ok(Effort::fast(0)),
+        };
+        let back = (1.0 + self.friction.decay.lane(0)).recip();
+        let own = &room.memory.left.past;
+        for (own, slopes) in own.iter().zip(&mut lists.slopes) {
+            for (own, all) in own.as_ref().iter().zip(slopes.as_mut()) {
+                (0..N).for_each(|i| all.set(i, S::from_f64(Stages::get(own, i))));
+            }
+        }
+        if F::FACTS.kind.is_conformal {
+            // They are stored in the momentum of the next step.
+            lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&[back; N]));
+        }
+        left.alone = Some(room);
+        let effort = solved?;
+        self.differentiate_stages(lists, left, known == Known::Factors)?;
+        Ok(Solved { effort, waits: left.waits })
+    }
+
+    /// Takes the step without derivatives.
+    fn take_values<const CAREFUL: bool>(
+        &self,
+        state: [&[S]; 2],
+        dw: &[S],
+        left: &LeftOf<F, S, N>,
+        room: &mut Alone<F::Shape, F::Noises, N>,
+    ) -> Result<Effort, StepFailure> {
+        room.read(0, state, dw);
+        let Alone { memory: own, q, p, dw } = room;
+        own.left.is_known &= left.is_known;
+        own.left.is_held = left.is_held;
+        own.left.iteration = left.iteration;
+        let prepared = (&F::Parameters::lane(self.parameters, 0), &self.friction.lane(0), self.common);
+        let [t, h] = [self.t, self.h].map(|constant| constant.lane(0));
+        let at = At { t, h, q: &mut q[..], p: &mut p[..], dw };
+        advance::<_, f64, f64, Plain, N, CAREFUL>(self.system, prepared, at, own, &mut Plain)
+    }
+
     /// One path, with its stages in lanes.
     ///
     /// # Errors
@@ -177,14 +264,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         lists: &mut Lists<S, F::Shape, N>,
         left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<f64>, StepFailure> {
-        let (degrees, is_lane) = (q.len(), S::Mask::of_lanes(|other| other == lane));
+        let is_lane = S::Mask::of_lanes(|other| other == lane);
         let room = left.alone.get_or_insert_default();
+        room.read(lane, [q, p], dw);
         let Alone { memory: own, q: own_q, p: own_p, dw: own_dw } = &mut **room;
-        for (own, all) in [(&mut *own_q, q), (&mut *own_p, p), (&mut *own_dw, dw)] {
-            own.clear();
-            own.extend(all.iter().map(|number| number.lane(lane)));
-        }
-        own.fit(degrees, dw.len());
         own.left.is_known = left.is_known;
         own.left.waits = left.waits.lane(lane);
         own.left.iteration = left.iteration;

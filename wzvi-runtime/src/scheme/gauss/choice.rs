@@ -25,6 +25,8 @@ const SLOPES: f64 = 10.0;
 const SECOND_DERIVATIVES: f64 = 8.0;
 /// Operations of a sweep that go in one vector instruction.
 const VECTOR: f64 = 4.0;
+/// Sweeps of a step of ordinary size.
+const SWEEPS: f64 = 12.0;
 /// Iterations of Newton's method in a step.
 const ITERATIONS: f64 = 3.0;
 
@@ -46,6 +48,20 @@ pub(super) fn newton_in_sweeps(stages: usize, kinds: usize, degrees: usize) -> f
     let derivatives = unknowns * SECOND_DERIVATIVES * slopes + unknowns * unknowns;
     let elimination = unknowns * unknowns * (unknowns / 3.0 + 2.0);
     ITERATIONS * (derivatives + elimination) / sweep
+}
+
+/// Whether so many derivatives cost less by one factorisation than by sweeps in numbers that carry `carried` of them, none of which is in vector
+/// instructions. Derivatives take twice as many sweeps as their values. Sizes are the numbers of stages, kinds of unknowns and degrees of freedom.
+pub(super) fn is_factored_once(size: [usize; 3], derivatives: usize, carried: usize) -> bool {
+    let [n, k, d] = size.map(|number| number as f64);
+    let (slopes, unknowns) = (SLOPES * d, n * k * d);
+    let numbers = derivatives.div_ceil(carried.max(1)) as f64 * (1.0 + carried as f64);
+    let sweep = numbers * n * (slopes + k * n * d);
+    // One sweep makes the right-hand sides, and one takes the slopes at the stages.
+    let hessian = unknowns * 2.0 * slopes + unknowns * unknowns;
+    let by_factors =
+        2.0 * sweep + hessian + unknowns * unknowns * (unknowns / 3.0 + 2.0 * derivatives as f64);
+    by_factors <= 2.0 * SWEEPS * sweep
 }
 
 /// Whether so many further sweeps finish whose relative change was `before` and is `change` after a
@@ -129,6 +145,13 @@ mod tests {
         assert!(finish_in(48.0) && !finish_in(47.0));
         assert!(!finish(1e9, [1.0, 0.5], 0.1), "too slow whatever the cost");
         assert!(!finish(1e9, [f64::NAN, 0.5], 0.1) && !finish(1e9, [1.0, f64::NAN], 0.1));
+    }
+
+    /// One factorisation serves the four derivatives of two degrees of freedom, and all of a chain; not one derivative of many.
+    #[test]
+    fn columns_are_worth_a_factorisation() {
+        assert!(is_factored_once([8, 1, 2], 4, 4) && is_factored_once([2, 1, 66], 132, 4));
+        assert!(!is_factored_once([4, 1, 66], 1, 1));
     }
 
     /// Newton's method pays less and less against sweeps as systems grow, and never as little as ten sweeps.

@@ -53,6 +53,29 @@ pub(super) struct Left<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) exact: Exact<H, W, N>,
     /// Scratch for a path that is solved alone.
     pub(super) alone: Option<Box<Alone<H, W, N>>>,
+    /// What is known of the step of that path.
+    pub(super) known: Known,
+    /// The derivatives that are taken of it in all.
+    pub(super) derivatives: usize,
+}
+
+/// What is known of a step in numbers with derivatives before it is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Known {
+    Nothing,
+    /// Its slopes at the stages.
+    Slopes,
+    /// These, and the factors of its Jacobian there.
+    Factors,
+}
+
+/// Gives the slopes of the last step to one in other numbers.
+pub(super) fn hand_values<S: Scalar, H: Shape, W: Shape, const N: usize>(
+    from: &Memory<f64, H, W, N>,
+    to: &mut Memory<S, H, W, N>,
+) {
+    to.left.alone.get_or_insert_default().read_slopes(&from.left.past, from.left.waits);
+    to.left.known = Known::Slopes;
 }
 
 /// Scratch for a part of the stages of a system.
@@ -183,6 +206,8 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Left<S, H, W, N>
             newton: Newton::default(),
             exact: Exact(None),
             alone: None,
+            known: Known::Nothing,
+            derivatives: 0,
         }
     }
 }
@@ -213,6 +238,13 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for Memory<S, H, W, 
             self.fit(length, self.given.dw.as_ref().len());
             for past in &mut self.left.past {
                 past.as_mut().iter_mut().for_each(|number| number.pass(tape));
+            }
+        }
+        if const { S::DERIVATIVES > 0 } {
+            let mut is_there = self.left.alone.is_some();
+            tape.flag(&mut is_there);
+            if is_there {
+                self.left.alone.get_or_insert_default().pass(tape);
             }
         }
     }
@@ -251,6 +283,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, 
             }
             Request::Hold => left.is_held = true,
             Request::Pin(iteration) => left.iteration = *iteration,
+            Request::Derivatives(count) => left.derivatives = *count,
             Request::Share(_) | Request::Restrict(_) => {}
         }
     }
@@ -258,6 +291,13 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, 
     fn adopt(&mut self, other: Self) {
         self.left.past = other.left.past;
         (self.left.is_known, self.left.waits) = (other.left.is_known, other.left.waits);
+    }
+
+    fn hand_values(&mut self, to: &mut Self, are_solved: bool) {
+        std::mem::swap(&mut self.left.alone, &mut to.left.alone);
+        self.left.newton.hand_factors(&mut to.left.newton);
+        to.left.known = if are_solved && to.left.alone.is_some() { Known::Factors } else { self.left.known };
+        self.left.known = Known::Nothing;
     }
 
     fn report(&self) -> Report {

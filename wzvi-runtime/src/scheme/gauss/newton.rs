@@ -5,9 +5,9 @@
 //! steps ([`damped`]).
 
 use super::Field;
-use super::choice::newton_in_sweeps;
+use super::choice::{is_factored_once, newton_in_sweeps};
 use super::equations::Step;
-use super::kept::{ExactOf, LeftOf, Lists, Room as Scratch};
+use super::kept::{ExactOf, Known, LeftOf, Lists, Room as Scratch};
 use super::stages::Stages;
 use super::sweep::{Solved, UNSEEN};
 use crate::algebra::scalar::{Constant, Dual, Mask, Over, Parameters, Scalar};
@@ -21,6 +21,8 @@ pub(super) struct Newton<S> {
     jacobian: Jacobian<S>,
     room: Room<Vec<S>>,
     start: Vec<S>,
+    /// The residual from which the derivatives of the stages follow.
+    residual: Vec<S>,
 }
 
 /// `1 - A ⊗ J F''` and its ingredients.
@@ -41,6 +43,13 @@ struct Jacobian<S> {
     columns: PairColumns,
     /// Which equations are solved to rounding.
     are_settled: Vec<bool>,
+}
+
+impl<S> Newton<S> {
+    /// Exchanges the factors with those of another memory.
+    pub(super) fn hand_factors(&mut self, to: &mut Self) {
+        std::mem::swap(&mut self.jacobian.matrix, &mut to.jacobian.matrix);
+    }
 }
 
 /// The equations of all stages. Unknown number `(stage, kind, d)` stands at [`Equations::place`].
@@ -70,6 +79,18 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         newton_in_sweeps(N, Equations::<F, K, S, N>::KINDS, self.start[0].len())
     }
 
+    /// Whether the derivatives that numbers carry follow from one factorisation, rather than from sweeps in these numbers.
+    pub(super) fn factors_once(&self, left: &LeftOf<F, S, N>) -> bool {
+        if self.unknowns() > Self::MOST_UNKNOWNS {
+            return false;
+        }
+        let is_stiff = left.alone.as_ref().is_some_and(|own| own.prefers_newton());
+        let size = [N, Equations::<F, K, S, N>::KINDS, self.start[0].len()];
+        left.known == Known::Factors
+            || is_stiff
+            || is_factored_once(size, left.derivatives.max(S::DERIVATIVES), S::DERIVATIVES)
+    }
+
     /// Newton's method from the current stages, with those of `left` as the waits of the next step.
     ///
     /// # Errors
@@ -81,7 +102,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         lists: &mut Lists<S, F::Shape, N>,
         left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
-        let LeftOf::<F, S, N> { newton: Newton { jacobian, room, start }, scratch, exact, .. } = left;
+        let LeftOf::<F, S, N> { newton: Newton { jacobian, room, start, .. }, scratch, exact, .. } = left;
         let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
         let unknowns = equations.unknowns();
         if unknowns > Self::MOST_UNKNOWNS {
@@ -97,6 +118,49 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         equations.write(room.solution());
         self.field(lists, scratch, S::Mask::from_bool(false));
         Ok(Solved { effort, waits: left.waits.after_newton() })
+    }
+
+    /// The derivatives of the stages, whose values follow from the slopes of the lists: `Y' = (1 - ∂φ/∂Y)⁻¹ φ'`, with `φ'` the derivatives of `φ` at stages
+    /// without any. `are_factored`: the matrix has been factored there.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`] where second derivatives are not finite, [`StepFailure::Singular`].
+    pub(super) fn differentiate_stages(
+        &self,
+        lists: &mut Lists<S, F::Shape, N>,
+        left: &mut LeftOf<F, S, N>,
+        are_factored: bool,
+    ) -> Result<(), StepFailure> {
+        let LeftOf::<F, S, N> { newton: Newton { jacobian, start, residual, .. }, scratch, exact, .. } = left;
+        let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
+        let unknowns = equations.unknowns();
+        for list in [&mut *start, residual] {
+            list.resize(unknowns, S::from_f64(0.0));
+        }
+        self.follow(equations.lists, equations.scratch, None);
+        equations.read(residual);
+        for (x, residual) in start.iter_mut().zip(&*residual) {
+            *x = S::from_f64(residual.lane(0));
+        }
+        // The slopes have derivatives by constants of the step.
+        if size_of::<K>() != size_of::<f64>() || !self.dw.is_empty() {
+            equations.write(start);
+            self.field(equations.lists, equations.scratch, S::Mask::from_bool(false));
+            self.follow(equations.lists, equations.scratch, None);
+            equations.read(residual);
+        }
+        residual.iter_mut().for_each(|next| *next = next.infinitesimal());
+        if !are_factored {
+            equations.jacobian.point.clone_from(start);
+            if equations.factor()? > 0 {
+                return Err(StepFailure::NonFinite);
+            }
+        }
+        equations.correct(residual)?;
+        start.iter_mut().zip(&*residual).for_each(|(x, change)| *x = *x + *change);
+        equations.write(start);
+        self.field(lists, scratch, S::Mask::from_bool(false));
+        Ok(())
     }
 
     /// The slopes of `F` and their derivatives along one of its arguments, with the weight of stage number `stage`, or without.

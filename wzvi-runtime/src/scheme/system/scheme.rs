@@ -231,6 +231,11 @@ pub trait Scheme<H: Hamiltonian> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure>;
 
+    /// Hands the solution of the last step to the memory of a step in numbers with derivatives from the same state, which need not be solved again then.
+    fn hand_values<S: Scalar>(from: &Self::Memory<f64>, to: &mut Self::Memory<S>) {
+        let _ = (from, to);
+    }
+
     /// The slopes of the scheme's own polynomial, for the last step recorded in `memory`.
     fn slopes_between(
         system: &H,
