@@ -153,7 +153,7 @@ fn deviations_have_the_increments_of_the_path() {
         system.simulate::<Midpoint>(0.05).start(State::new([0.6], [-0.8])).noise(Wiener::seed(5)).until(50.0)
     };
     let spectrum = run().copies(0).deviations([[0.6, -0.8]]).lyapunov().unwrap();
-    let end = run().run().unwrap().last().clone();
+    let end = *run().run().unwrap().last();
     let growth = (end.q.norm_squared() + end.p.norm_squared()).sqrt().ln();
     // Roundings of a thousand steps.
     assert!((spectrum.values[0] * spectrum.time - growth).abs() < 1e-12, "{spectrum:?} {growth}");
