@@ -40,14 +40,14 @@ const CASES: &[Case] = &[
 
 fn few<E>(h: f64, steps: u64, derives: bool)
 where
-    HenonHeiles: Discretized<E, Vector = <HenonHeiles as Hamiltonian>::Vector>,
+    HenonHeiles: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 2>>,
 {
     run::<E, _>(&HenonHeiles, h, State::new([0.0, 0.1], [0.35, 0.0]), steps, derives);
 }
 
 fn many<E>(h: f64, steps: u64, derives: bool)
 where
-    Chain: Discretized<E, Vector = <Chain as Hamiltonian>::Vector>,
+    Chain: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
 {
     let list = |of: fn(f64) -> f64| (0..10).map(|i| 0.3 * of(f64::from(i))).collect::<Vec<_>>();
     run::<E, _>(&Chain, h, State::new(list(f64::sin), list(f64::cos)), steps, derives);

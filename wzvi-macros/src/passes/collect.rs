@@ -173,16 +173,19 @@ impl Writer<'_> {
         branches: [Expr; 2],
         opened: &mut Opened,
     ) -> Vec<(Expr, Rational)> {
-        let mut groups: Vec<(Reads, [Vec<(Expr, Rational)>; 2])> = Vec::new();
+        // What reads the same part of the state, branch by branch.
+        let mut groups: Vec<(Reads, [Terms; 2])> = Vec::new();
         for (side, branch) in branches.into_iter().enumerate() {
-            for (term, coefficient) in self.split(branch, opened) {
-                let reads = self.reads(term);
-                let known = groups.iter().position(|(known, _)| *known == reads);
-                let group = known.unwrap_or(groups.len());
-                if known.is_none() {
-                    groups.push((reads, Default::default()));
+            for term in self.split(branch, opened) {
+                let reads = self.reads(term.0);
+                match groups.iter_mut().find(|(known, _)| *known == reads) {
+                    Some((_, sides)) => sides[side].push(term),
+                    None => {
+                        let mut sides: [Terms; 2] = Default::default();
+                        sides[side].push(term);
+                        groups.push((reads, sides));
+                    }
                 }
-                groups[group].1[side].push((term, coefficient));
             }
         }
         let selected = groups.into_iter().map(|(_, sides)| {
@@ -217,6 +220,9 @@ impl Writer<'_> {
         terms.into_iter().map(|(term, weight)| (self.graph.multiply(factor, term), weight)).collect()
     }
 }
+
+/// Terms with their coefficients.
+type Terms = Vec<(Expr, Rational)>;
 
 /// What a number reads of the state.
 const NOTHING: Reads = Reads { q: false, p: false };
