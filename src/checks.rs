@@ -28,6 +28,15 @@ pub fn family_of_time<V, F: Fn(V, V, f64, usize) -> f64>(_: F) {}
 /// A friction that depends on the coordinates.
 pub fn of_place<V, R, F: Fn(V) -> R>(_: F) {}
 
+/// A temperature of the time.
+pub fn of_instant<R, F: Fn(f64) -> R>(_: F) {}
+
+/// A temperature of the index of a site.
+pub fn of_site<R, F: Fn(usize) -> R>(_: F) {}
+
+/// The same with the time.
+pub fn of_site_and_instant<R, F: Fn(usize, f64) -> R>(_: F) {}
+
 /// The one entry of a covector.
 pub fn entry(_: f64) -> f64 {
     0.0
@@ -53,6 +62,7 @@ impl<H: Hamiltonian> Scheme<H> for NoSteps {
         energy_jumps: false,
         commuting: Knowledge::Unknown,
         has_weak_order_two: false,
+        is_out_of_equilibrium: false,
     };
     type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = ();

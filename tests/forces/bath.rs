@@ -5,3 +5,4 @@ mod refusals;
 mod runs;
 mod steps;
 mod sweeps;
+mod temperatures;

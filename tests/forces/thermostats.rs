@@ -70,7 +70,9 @@ fn reads<H: Elements>(system: &H, expected: &[f64], is_matrix: bool, is_per_stat
     bath.damping((system, &[]), &[0.5, 0.0, 2.0], &mut damping, &mut Default::default());
     bath.inverse_mass((system, &[]), &mut inverse);
     assert_eq!((&damping[..], &inverse[..]), (expected, &[1.0, 0.5, 2.0][..]));
-    assert_eq!(bath.temperature((system, &[])), Some(1.3));
+    let mut temperature = [0.0];
+    bath.temperatures((system, &[]), 0.0, &mut temperature).unwrap();
+    assert_eq!(temperature, [1.3]);
     assert_eq!(
         [bath.is_matrix, bath.is_per_state, bath.has_diagonal_masses],
         [is_matrix, is_per_state, true]

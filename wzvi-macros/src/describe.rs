@@ -4,7 +4,7 @@ use crate::discretise::describe::{derivation, hamiltonians, properties, staged, 
 use crate::discretise::facts::split::{self, Form};
 use crate::discretise::{Facts, Flows, Step};
 use crate::embedding::{Embedding, Kind};
-use crate::model::System;
+use crate::model::{System, Temperature};
 use crate::symbolic::Rational;
 
 /// The texts of `EQUATIONS` and of the documentation.
@@ -67,7 +67,9 @@ impl Texts {
         };
         let of_listed = |embedding: &Embedding| {
             let derivation = match embedding.parts().as_slice() {
-                _ if embedding.is_thermostat() => thermostat(embedding, system.has_forces()),
+                _ if embedding.is_thermostat() => {
+                    thermostat(embedding, system.has_forces(), system.temperature.as_ref())
+                }
                 [whole] => return (embedding.clone(), of_step(whole, &of_parts)),
                 [] => embedding
                     .stages()
@@ -96,15 +98,24 @@ fn of_halves<'e>(halves: impl Iterator<Item = (&'e Embedding, String)>, has_flow
 }
 
 /// How a step with a bath is taken.
-fn thermostat(embedding: &Embedding, has_force: bool) -> String {
+fn thermostat(embedding: &Embedding, has_force: bool, temperature: Option<&Temperature>) -> String {
     let (is_shortened, is_cayley) = (*embedding == Embedding::GjI, *embedding == Embedding::Gjf);
+    let (is_list, is_timed) = temperature.map_or((false, false), |known| (known.is_list, known.reads_time));
+    let noise = match (is_timed, is_cayley) {
+        (true, false) => {
+            "R Rᵀ = (T1 - c² T0 - (T1 - T0) (1 - c²)/(2 γ s)) M, c = e^{-γ s} of each rate γ and the time s of this part"
+        }
+        (true, true) => "R Rᵀ = T (M - E M Eᵀ), T at the middle of the step",
+        (false, _) if is_list => "R Rᵀ = T (M - E M Eᵀ), T the diagonal matrix of the temperatures",
+        (false, _) => "R Rᵀ = kT (M - E M Eᵀ)",
+    };
     let slope = if has_force { "(∂V/∂q - F)" } else { "∂V/∂q" };
     let relax = |time: &str| {
         let decay = match is_cayley {
             true => "(1 + h/2 Γ M⁻¹)⁻¹ (1 - h/2 Γ M⁻¹)".to_owned(),
             false => format!("exp(-{time} Γ M⁻¹)"),
         };
-        format!("  friction and noise of {time}: p <- E p + R ξ, E = {decay}, R Rᵀ = kT (M - E M Eᵀ)\n")
+        format!("  friction and noise of {time}: p <- E p + R ξ, E = {decay}, {noise}\n")
     };
     let flow = |(kind, share): (Kind, Rational)| {
         let time = times(if is_shortened && kind != Kind::Bath { "s h" } else { "h" }, share);
@@ -133,10 +144,23 @@ fn thermostat(embedding: &Embedding, has_force: bool) -> String {
         }
         _ => String::new(),
     };
+    let equilibrium = match (is_list, is_timed, is_cayley) {
+        (false, false, _) => "",
+        (true, false, _) => {
+            "  no equilibrium: the temperatures of the degrees of freedom differ, and no Boltzmann law is stationary\n"
+        }
+        (_, true, true) => {
+            "  no equilibrium: the temperature depends on the time, and no Boltzmann law is stationary\n"
+        }
+        (_, true, false) => {
+            "  T0 and T1 are the temperatures at the start and at the end of each part with friction, which takes them as linear between\n  \
+             no equilibrium: the temperature depends on the time, and no Boltzmann law is stationary\n"
+        }
+    };
     let driven = "the increments of the noises, then √h times the normals ξ of each part with friction";
     let diffusion = diffusion(embedding);
     format!(
-        "\nStep\n{step}{factor}{order}  driven by {driven}\n  a free particle diffuses with {diffusion}\n"
+        "\nStep\n{step}{factor}{order}  driven by {driven}\n{equilibrium}  a free particle diffuses with {diffusion}\n"
     )
 }
 

@@ -193,6 +193,16 @@ impl Friction {
     }
 }
 
+/// `kT` of a bath.
+#[derive(Clone)]
+pub(crate) struct Temperature {
+    /// A number, or `Σ_i T_i δq_i p_i`.
+    pub(crate) term: Term,
+    /// Whether degrees of freedom have temperatures of their own.
+    pub(crate) is_list: bool,
+    pub(crate) reads_time: bool,
+}
+
 /// The members `0..count` of a family of noises; `variable` is the loop variable that counts them. It is the outermost loop
 /// of every element of the family.
 #[derive(Clone)]
@@ -232,8 +242,7 @@ pub(crate) struct System {
     pub(crate) conformal: Option<Expr>,
     /// `e^{γ (t - t_i)}` with this rate, where elements are emitted in loops.
     pub(crate) scale: Option<Symbol>,
-    /// `kT`
-    pub(crate) temperature: Option<Term>,
+    pub(crate) temperature: Option<Temperature>,
     /// Where `Ito` is written, if noises are in that sense.
     pub(crate) ito: Option<Extent>,
     /// What makes it the system in the sense of Stratonovich.
@@ -263,7 +272,8 @@ impl System {
     /// The drift, the noises, the first integrals, the forces.
     pub(crate) fn terms(&self) -> impl Iterator<Item = &Term> {
         let noise = self.noise.iter().map(|noise| &noise.term);
-        let bath = self.friction.iter().map(|friction| &friction.term).chain(&self.temperature);
+        let bath = self.friction.iter().map(|friction| &friction.term);
+        let bath = bath.chain(self.temperature.iter().map(|temperature| &temperature.term));
         [&self.drift].into_iter().chain(noise).chain(&self.invariants).chain(&self.force).chain(bath)
     }
 

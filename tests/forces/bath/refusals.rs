@@ -22,8 +22,12 @@ fn numbers_that_make_no_sense_are_refused() {
     let with = |gamma, kt| Oscillator { gamma, kt, ..OSCILLATOR };
     for (system, h, error) in [
         (with(-0.5, 1.0), 0.1, BathError::Friction { rate: -0.5 }),
-        (with(0.5, -1.0), 0.1, BathError::Temperature { temperature: -1.0 }),
-        (with(0.5, f64::INFINITY), 0.1, BathError::Temperature { temperature: f64::INFINITY }),
+        (with(0.5, -1.0), 0.1, BathError::Temperature { temperature: -1.0, degree: None, t: None }),
+        (
+            with(0.5, f64::INFINITY),
+            0.1,
+            BathError::Temperature { temperature: f64::INFINITY, degree: None, t: None },
+        ),
         (with(0.5, 1.0), -0.1, BathError::Backwards { h: -0.1 }),
     ] {
         assert_eq!(refused::<Baoab>(&system, h), ConfigError::Bath(error));

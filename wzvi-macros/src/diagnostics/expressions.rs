@@ -78,9 +78,12 @@ messages! {
     friction_closure(closure) = "`friction` is an expression of fields, a list of them by degree of freedom, \
         or a closure of the coordinates, `|q| ...`; write friction that depends on momenta or the time as a force, as in \
         `force = |q, p, t| -gamma * p`, without a temperature";
-    /// A temperature is one number.
-    temperature_closure(closure) = "`temperature` is kT, one number: an expression of fields and constants, as in \
-        `temperature = kt`; where it changes with time, run one system after the other, each from the end of the one before";
+    /// A temperature of something else than sites and the time.
+    temperature_closure(closure) = "`temperature` is kT: one number, a list by degree of freedom, `|t| ...`, or, by site, \
+        `[|i| ...; N]` or `[|i, t| ...; N]`; a temperature of the coordinates or momenta is not offered, because no Boltzmann law \
+        is known to check it by";
+    number_of_sites(found) = "the number of sites with a temperature is an integer, a constant or a field, as in \
+        `temperature = [|i| t0 + dt * i as f64; N]`";
     damping_closure(closure) = "`damping` is a matrix of expressions of fields, or a closure of the coordinates, \
         `|q| [[...]]`; write friction that depends on momenta or the time as a force, without a temperature";
     /// A name in `friction`, `damping` or `temperature` that is none of a field.

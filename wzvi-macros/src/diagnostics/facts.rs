@@ -32,6 +32,9 @@ messages! {
         its indices exceed 128 bits; use `Midpoint`, which is consistent with every noise";
     thermostat_without_friction(found, scheme: &impl Display) = "`{scheme}` is for systems with friction: add \
         `friction = ...` (1/time) and `temperature = ...` (energy)";
+    temperatures_of_coupled_momenta(found) = "temperatures that differ need a friction and masses that do not couple \
+        momenta: write `friction = [...]` with one rate (1/time) for each degree of freedom instead of `damping`, and a kinetic \
+        energy without products of different momenta";
     temperature_without_friction(found) = "a temperature acts through friction: add `friction = ...` (1/time) or \
         `damping = [[...]]` (mass/time)";
     /// A scheme that cannot include friction and its noise, listed beside schemes that can.

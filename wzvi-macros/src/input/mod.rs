@@ -16,5 +16,7 @@ pub(crate) use attributes::{Carrier, check as check_attributes};
 pub(crate) use groups::peeled;
 pub(crate) use library::{Function, Library};
 pub(crate) use nesting::check as check_nesting;
-pub(crate) use phase_space::{Labels, Length, PhaseSpace, Shape, read_phase_space};
+pub(crate) use phase_space::{
+    Labels, Length, PhaseSpace, Shape, is_usual_time, name_of_time, read_phase_space,
+};
 pub(crate) use system::{Container, Field, Kind, is_integer_type, read_struct};

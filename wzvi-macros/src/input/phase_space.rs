@@ -188,7 +188,13 @@ fn check_times(declaration: &Declaration, diagnostics: &mut Diagnostics) {
     }
 }
 
-fn is_usual_time(name: &str) -> bool {
+/// The name of the time in a closure of it; `None` for a pattern of something else.
+pub(crate) fn name_of_time(pattern: &Pat) -> Option<String> {
+    time(pattern).ok()
+}
+
+/// Whether the time may have this name.
+pub(crate) fn is_usual_time(name: &str) -> bool {
     let name = name.trim_matches('_').to_lowercase();
     let is_numbered = name.strip_prefix('t').is_some_and(|rest| !rest.starts_with(char::is_alphabetic));
     is_numbered || ["", "tau", "τ", "s", "now"].contains(&name.as_str()) || name.contains("time")

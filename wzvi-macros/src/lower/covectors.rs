@@ -3,17 +3,21 @@
 //! `Σ_i γ_i δq_i p_i`, and a matrix is `δq · Γ p`.
 
 use quote::quote;
-use syn::Expr as Syntax;
+use syn::{Expr as Syntax, ExprClosure, ExprRepeat, Pat};
 
 use super::interpreter::{Interpreter, result_of};
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::input::{self, peeled};
-use crate::model::{Friction, Half, Index, Slot, Term};
+use crate::input::{self, is_usual_time, name_of_time, peeled};
+use crate::model::{Friction, Half, Index, Slot, Temperature};
 use crate::symbolic::Expr;
 
 /// Maps the entry for the component at an index.
 type Leaf<'l, 'a, 'd> = &'l mut dyn FnMut(&mut Interpreter<'a, 'd>, Value, &Index) -> Option<Expr>;
+
+fn is_closure(syntax: &Syntax) -> bool {
+    matches!(peeled(syntax), Syntax::Closure(_))
+}
 
 impl<'a, 'd> Interpreter<'a, 'd> {
     /// `f · δq` of one entry per degree of freedom, arranged as the coordinates are.
@@ -85,18 +89,152 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         })
     }
 
-    /// `temperature = ...`
-    pub(super) fn temperature(&mut self, declared: &'a input::Given) -> Option<Term> {
-        let body = &declared.value;
-        if let Syntax::Closure(closure) = peeled(body) {
-            let (begin, inputs, end) = (&closure.inputs_begin, &closure.inputs, &closure.inputs_end);
+    /// `temperature = ...`: one number, or `Σ_i T_i δq_i p_i` of one number for each point or degree of freedom.
+    pub(super) fn temperature(&mut self, declared: &'a input::Given) -> Option<Temperature> {
+        let body = peeled(&declared.value);
+        let family = match body {
+            Syntax::Repeat(ExprRepeat { expr, len, .. }) => match peeled(expr) {
+                Syntax::Closure(closure) => Some((closure, len, self.number_of_sites(len)?)),
+                _ => None,
+            },
+            _ => None,
+        };
+        let (mut entries, mut is_list) = (Vec::new(), false);
+        let mut term = self.lowered(body, |this| {
+            this.now.advice = Some("a temperature of the time is a closure, `temperature = |t| ...`");
+            let mut leaf = |this: &mut Self, entry, i: &Index| {
+                let entry = this.real(entry, result_of(body))?;
+                entries.push(entry);
+                this.bilinear(Value::Real(entry), [i, i], body)
+            };
+            let lengths = this.lengths();
+            is_list = true;
+            if let Some((closure, length, count)) = &family {
+                this.check_sites(count, length)?;
+                let mut value = |this: &mut Self, i: &Index| this.temperature_at(closure, Some(i));
+                return this.by_site(&lengths, body, &mut leaf, &mut value);
+            }
+            match body {
+                Syntax::Array(array) if array.elems.iter().any(is_closure) => {
+                    this.check_sites(&Index::integer(array.elems.len() as i128), body)?;
+                    let elements = array.elems.iter().enumerate();
+                    let terms = elements.map(|(i, element)| {
+                        let value = match peeled(element) {
+                            Syntax::Closure(closure) => this.temperature_at(closure, None)?,
+                            other => this.evaluate(other),
+                        };
+                        this.of_site(&lengths, &Index::integer(i as i128), value, element, &mut leaf)
+                    });
+                    let terms: Vec<Expr> = terms.collect::<Option<_>>()?;
+                    Some(this.graph.sum(&terms))
+                }
+                _ => {
+                    let value = match body {
+                        Syntax::Closure(closure) => this.temperature_at(closure, None)?,
+                        _ => this.evaluate(body),
+                    };
+                    if matches!(value, Value::Real(_) | Value::Constant(_) | Value::Index(..)) {
+                        is_list = false;
+                        return this.real(value, result_of(body));
+                    }
+                    this.paired(value, (&lengths, true), &Index::default(), result_of(body), &mut leaf)
+                }
+            }
+        })?;
+        // Sites of one temperature have an equilibrium.
+        if is_list && let [first, others @ ..] = &entries[..] {
+            let reads = self.graph.symbols_in(*first).into_iter();
+            let is_of_fields = self.symbols.locals_among(reads).is_empty();
+            if is_of_fields && others.iter().all(|other| other == first) {
+                (term.expression, is_list) = (*first, false);
+            }
+        }
+        let reads_time = self.graph.depends_on(term.expression, &[self.space.t])
+            || entries.iter().any(|entry| self.graph.depends_on(*entry, &[self.space.t]));
+        Some(Temperature { term, is_list, reads_time })
+    }
+
+    /// A temperature of the time and, if there is one, of the index of a site.
+    fn temperature_at(&mut self, closure: &'a ExprClosure, site: Option<&Index>) -> Option<Value> {
+        let (begin, inputs, end) = (&closure.inputs_begin, &closure.inputs, &closure.inputs_end);
+        let mut inputs = inputs.iter();
+        let site = site.map(|site| (inputs.next(), site));
+        let (time, is_last) = (inputs.next(), inputs.next().is_none());
+        let declared = self.graph.symbol_name(self.space.t).to_owned();
+        let is_time = |pattern: &Pat| {
+            name_of_time(pattern).is_some_and(|name| name == declared || is_usual_time(&name))
+        };
+        let is_known = match (&site, time) {
+            (None, None) | (Some((None, _)), _) => false,
+            (_, time) => time.is_none_or(is_time),
+        };
+        if !is_last || !is_known {
+            let inputs = &closure.inputs;
             return self.refuse(expressions::temperature_closure(quote!(#begin #inputs #end)));
         }
-        self.lowered(body, |this| {
-            this.now.advice = Some("a temperature is one number, of fields and constants");
-            let value = this.evaluate(body);
-            this.real(value, result_of(body))
+        let outer = self.now.scope.len();
+        if let Some((Some(pattern), site)) = site {
+            self.bind(pattern, Value::index(site.clone()).unsigned(true));
+        }
+        if let Some(pattern) = time {
+            let t = Value::Real(self.graph.symbol(self.space.t));
+            self.bind(pattern, t);
+        }
+        let value = self.evaluate(&closure.body);
+        self.now.scope.leave(outer);
+        Some(value)
+    }
+
+    /// The number of sites in `[|i| ...; N]`.
+    fn number_of_sites(&mut self, length: &'a Syntax) -> Option<Index> {
+        self.start();
+        let value = self.evaluate(length).known()?;
+        let is_number = matches!(value, Value::Index(..) | Value::Constant(_));
+        let number = if is_number { self.as_index(&value, length) } else { None };
+        number.or_else(|| self.refuse(expressions::number_of_sites(length)))
+    }
+
+    /// Refuses a number of sites that is known to be another than that of points.
+    fn check_sites(&mut self, found: &Index, at: &'a Syntax) -> Option<()> {
+        let expected = self.lengths().into_iter().next().unwrap_or(Index::integer(1));
+        // Lengths of fields are known at run time only; their entries are read within them.
+        if found.subtract(&expected)?.as_integer().is_none_or(|excess| excess == 0) {
+            return Some(());
+        }
+        let (expected, found) = (self.display(&expected), self.display(found));
+        self.refuse(expressions::entries(at, &expected, Some(&found)))
+    }
+
+    /// The sum of `leaf` over the values of all sites.
+    fn by_site(
+        &mut self,
+        lengths: &[Index],
+        at: &'a Syntax,
+        leaf: Leaf<'_, 'a, 'd>,
+        value: &mut dyn FnMut(&mut Self, &Index) -> Option<Value>,
+    ) -> Option<Expr> {
+        let Some(length) = lengths.first() else {
+            let first = value(self, &Index::default())?;
+            return self.of_site(lengths, &Index::default(), first, at, leaf);
+        };
+        self.sum_loop(length, at, &mut |this, i| {
+            let own = value(this, i)?;
+            this.of_site(lengths, i, own, at, leaf)
         })
+    }
+
+    /// The sum of `leaf` over the degrees of freedom of a site with this value.
+    fn of_site(
+        &mut self,
+        lengths: &[Index],
+        site: &Index,
+        value: Value,
+        at: &'a Syntax,
+        leaf: Leaf<'_, 'a, 'd>,
+    ) -> Option<Expr> {
+        let inner = lengths.get(1..).unwrap_or_default();
+        let stride = inner.iter().try_fold(Index::integer(1), |stride, length| stride.multiply(length))?;
+        self.paired(value, (inner, true), &site.multiply(&stride)?, at, leaf)
     }
 
     /// The lengths of the arrays that coordinates are arranged in, the outermost first.

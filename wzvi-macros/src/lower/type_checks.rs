@@ -4,11 +4,11 @@ use std::collections::HashSet;
 
 use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
-use syn::{ExprClosure, GenericParam, Generics, Member};
+use syn::{Expr, ExprClosure, ExprRepeat, GenericParam, Generics, Member};
 
 use super::dereference::dereferenced;
 use super::scope::context;
-use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape};
+use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape, peeled};
 use crate::symbolic::NAMES;
 use crate::tokens::{self, words};
 
@@ -48,7 +48,9 @@ pub(super) fn type_checks(
         };
         takers.check(system, closure, untyped.as_reals(rewritten, &checks))
     });
-    let given = given(declaration).map(|given| takers.check_given(system, given));
+    let friction = declaration.friction.iter().map(|friction| takers.check_given(system, &friction.given));
+    let temperature = declaration.temperature.iter().map(|given| takers.check_temperature(system, given));
+    let given = friction.chain(temperature);
     let schemes = declaration.embeddings.iter().map(|(embedding, written)| {
         let meant = embedding.value.path(root);
         quote!(#checks::is_same::<#meant>(#checks::PhantomData::<#written>);)
@@ -176,6 +178,41 @@ impl Takers<'_> {
             syn::Expr::Closure(_) => quote!({ #(#fields)* #checks::of_place::<#vector, _, _>(#expression); }),
             _ => quote!({ #(#fields)* let _ = #expression; }),
         }
+    }
+
+    /// A temperature, whose closures are of the time, or of the index of a site and the time.
+    fn check_temperature(&self, system: &Container, given: &Given) -> TokenStream {
+        let (fields, checks) = (fields_in(system, &given.tokens), self.checks);
+        let own = |tokens: TokenStream| with_our_self(self.untyped.as_reals(tokens, checks));
+        let of_time = |closure: &ExprClosure| {
+            let closure = own(closure.to_token_stream());
+            quote!(#checks::of_instant(#closure))
+        };
+        let is_closure = |expression: &Expr| matches!(peeled(expression), Expr::Closure(_));
+        let check = match peeled(&given.value) {
+            Expr::Closure(closure) => of_time(closure),
+            Expr::Repeat(ExprRepeat { expr, len, .. }) if is_closure(expr) => {
+                let (number, closure) = (own(len.to_token_stream()), own(expr.to_token_stream()));
+                let is_timed = matches!(peeled(expr), Expr::Closure(closure) if closure.inputs.len() > 1);
+                let taker = if is_timed { quote!(of_site_and_instant) } else { quote!(of_site) };
+                quote!(#checks::#taker(#closure); let _ = #number)
+            }
+            Expr::Array(array) if array.elems.iter().any(is_closure) => {
+                let elements = array.elems.iter().map(|element| match peeled(element) {
+                    Expr::Closure(closure) => of_time(closure),
+                    other => {
+                        let number = own(other.to_token_stream());
+                        quote!(let _: #checks::f64 = #number)
+                    }
+                });
+                quote!(#(#elements);*)
+            }
+            _ => {
+                let expression = own(given.tokens.clone());
+                quote!(let _ = #expression)
+            }
+        };
+        quote!({ #(#fields)* #check; })
     }
 }
 

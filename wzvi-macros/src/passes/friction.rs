@@ -8,7 +8,7 @@
 
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::{Calculus, Increments, Kinetic, Space, Weighted, unweighted};
-use crate::model::{Element, Friction, Half, Local, Slot, System, Term};
+use crate::model::{Element, Friction, Half, Local, Slot, System, Temperature, Term};
 use crate::symbolic::{Expr, Rational};
 
 /// Checks friction, temperature and the requirements of thermostats. Without a thermostat, friction then becomes a force, or the rate of
@@ -19,7 +19,7 @@ pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
             diagnostics.report(messages::thermostat_without_friction(known.extent, &known.value));
         }
         if let Some(temperature) = &system.temperature {
-            diagnostics.report(messages::temperature_without_friction(temperature.extent));
+            diagnostics.report(messages::temperature_without_friction(temperature.term.extent));
         }
         return;
     };
@@ -53,6 +53,12 @@ fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics
             diagnostics.report(messages::rates_of_coupled_momenta(extent));
         }
         Some(_) => {}
+    }
+    let is_diagonal = !friction.is_matrix && Kinetic::of(system).is_none_or(|kinetic| kinetic.is_diagonal);
+    if let Some(Temperature { term, is_list: true, .. }) = &system.temperature
+        && !is_diagonal
+    {
+        diagnostics.report(messages::temperatures_of_coupled_momenta(term.extent));
     }
     if friction.is_matrix {
         match symmetry(system, &friction.term) {

@@ -47,6 +47,7 @@ pub(super) fn parts(system: &mut System) -> (Writer<'_>, Vec<&mut Term>, &mut Ve
         graph, symbols, tables, drift, parts, noise, force, friction, temperature, invariants, ..
     } = system;
     let friction = friction.iter_mut().map(|friction| &mut friction.term);
+    let temperature = temperature.iter_mut().map(|temperature| &mut temperature.term);
     let after = invariants.iter_mut().chain(force).chain(friction).chain(temperature);
     (Writer::new(graph, symbols, tables), [drift].into_iter().chain(parts).collect(), noise, after.collect())
 }

@@ -5,10 +5,14 @@ use crate::ground::digits::Brief;
 /// Why a system has no Langevin equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BathError {
-    /// The temperature is negative, NaN or infinite.
+    /// A temperature is negative, NaN or infinite.
     Temperature {
         /// `kT`, in units of energy.
         temperature: f64,
+        /// The index of the degree of freedom, from 0, if they have temperatures of their own.
+        degree: Option<usize>,
+        /// The time, if the temperature depends on it.
+        t: Option<f64>,
     },
     /// A rate of the friction is negative, NaN or infinite: it would heat without bound.
     Friction {
@@ -39,8 +43,10 @@ pub enum BathError {
 }
 
 messages! { BathError:
-    Self::Temperature { temperature } =>
-        "the temperature is {}; it must be finite and not negative", Brief(*temperature);
+    Self::Temperature { temperature, degree, t } =>
+        "the temperature{}{} is {}; it must be finite and not negative",
+        degree.map(|degree| format!(" of degree of freedom {degree} (from 0)")).unwrap_or_default(),
+        t.map(|t| format!(" at t = {}", Brief(t))).unwrap_or_default(), Brief(*temperature);
     Self::Friction { rate } =>
         "the friction has the rate {}; it must be finite and not negative", Brief(*rate);
     Self::Asymmetric { entry: [i, j] } =>
@@ -59,7 +65,10 @@ impl BathError {
     /// Which one, and its two values.
     pub(super) fn words(self) -> [u64; 3] {
         match self {
-            Self::Temperature { temperature } => [0, temperature.to_bits(), 0],
+            Self::Temperature { temperature, degree, t } => {
+                let which = degree.map_or(0, |degree| DEGREES + degree as u64);
+                [which, temperature.to_bits(), t.map_or(UNTIMED, f64::to_bits)]
+            }
             Self::Friction { rate } => [1, rate.to_bits(), 0],
             Self::Asymmetric { entry: [i, j] } => [2, i as u64, j as u64],
             Self::Mass { degree, inverse } => [3, degree as u64, inverse.to_bits()],
@@ -72,14 +81,27 @@ impl BathError {
     pub(super) fn from_words([which, a, b]: [u64; 3]) -> Option<Self> {
         let x = f64::from_bits(a);
         Some(match which {
-            0 => Self::Temperature { temperature: x },
+            0 => Self::Temperature { temperature: x, degree: None, t: timed(b) },
             1 => Self::Friction { rate: x },
             2 => Self::Asymmetric { entry: [usize::try_from(a).ok()?, usize::try_from(b).ok()?] },
             3 => Self::Mass { degree: usize::try_from(a).ok()?, inverse: f64::from_bits(b) },
             4 => Self::Masses,
             5 => Self::Backwards { h: x },
             6 => Self::Rates,
-            _ => return None,
+            _ => {
+                let degree = usize::try_from(which.checked_sub(DEGREES)?).ok()?;
+                Self::Temperature { temperature: x, degree: Some(degree), t: timed(b) }
+            }
         })
     }
+}
+
+/// Where temperatures of degrees of freedom begin among the words.
+const DEGREES: u64 = 8;
+
+/// Instead of the bits of a time.
+const UNTIMED: u64 = u64::MAX;
+
+fn timed(bits: u64) -> Option<f64> {
+    (bits != UNTIMED).then(|| f64::from_bits(bits))
 }

@@ -109,7 +109,9 @@ mod tests {
             StepFailure::Dimension { expected: 0, got: 2 },
             StepFailure::NonFiniteInput,
             StepFailure::Lanes(FailedLanes(1 << 63 | 5)),
-            StepFailure::Bath(BathError::Temperature { temperature: -1.0 }),
+            StepFailure::Bath(BathError::Temperature { temperature: -1.0, degree: None, t: None }),
+            StepFailure::Bath(BathError::Temperature { temperature: -1.0, degree: None, t: Some(0.3) }),
+            StepFailure::Bath(BathError::Temperature { temperature: -1.0, degree: Some(7), t: Some(0.3) }),
             StepFailure::Bath(BathError::Friction { rate: f64::INFINITY }),
             StepFailure::Bath(BathError::Asymmetric { entry: [1, usize::MAX] }),
             StepFailure::Bath(BathError::Mass { degree: 3, inverse: -0.5 }),
@@ -130,9 +132,12 @@ mod tests {
                 assert_eq!(read.words(), failure.words());
             }
         }
-        for nonsense in
-            [[99, 0, 0], [u64::MAX, 0, 0], [INTERNAL, StepPromise::ALL.len() as u64, 0], [0, 1 << 32, 0]]
-        {
+        for nonsense in [
+            [BATH + 7, 0, 0],
+            [u64::MAX, 0, 0],
+            [INTERNAL, StepPromise::ALL.len() as u64, 0],
+            [0, 1 << 32, 0],
+        ] {
             assert_eq!(StepFailure::from_words(nonsense), None);
             let mut untouched = all[0];
             assert_eq!(Tape::read(nonsense.to_vec(), |tape| untouched.pass(tape)), None);

@@ -54,7 +54,7 @@ mod word;
 
 use std::marker::PhantomData;
 
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Mask as _, Scalar};
 use crate::error::{BathError, ConfigError};
 use crate::scheme::elements::{self, DRIFT, Elements, PairColumns, Point, Slopes, slopes};
 use crate::scheme::plan::{Knowledge, NoiseClass, Plan};
@@ -138,6 +138,10 @@ pub struct Friction {
     pub part: usize,
     /// The index of the part that is the temperature.
     pub temperature: Option<usize>,
+    /// Whether degrees of freedom have temperatures of their own: then the part is a covector of them.
+    pub has_temperatures: bool,
+    /// Whether the temperature depends on the time.
+    pub is_timed: bool,
     /// Whether the friction is the matrix `Γ` (mass/time), and not rates (1/time).
     pub is_matrix: bool,
     /// Whether it depends on the coordinates.
@@ -146,10 +150,24 @@ pub struct Friction {
     pub has_diagonal_masses: bool,
 }
 
+/// The first lane that is no temperature.
+fn wrong_lane<S: Scalar>(temperature: S) -> f64 {
+    let mut lanes = (0..S::LANES).map(|lane| temperature.lane(lane));
+    lanes.find(|lane| !(lane.is_finite() && *lane >= 0.0)).unwrap_or(f64::NAN)
+}
+
 impl Friction {
     /// Rates that do not depend on the coordinates, and diagonal masses.
     pub const fn new(part: usize, temperature: Option<usize>) -> Self {
-        Self { part, temperature, is_matrix: false, is_per_state: false, has_diagonal_masses: true }
+        Self {
+            part,
+            temperature,
+            has_temperatures: false,
+            is_timed: false,
+            is_matrix: false,
+            is_per_state: false,
+            has_diagonal_masses: true,
+        }
     }
 
     /// Whether friction and masses are lists by degree of freedom.
@@ -171,13 +189,36 @@ impl Friction {
         }
     }
 
-    /// `kT`, or `None` if the system has no temperature.
-    pub fn temperature<H: Elements, S: Scalar>(
+    /// Whether the bath has no equilibrium: `exp(-H / kT)` is stationary for one constant temperature only.
+    pub const fn is_out_of_equilibrium(self) -> bool {
+        self.has_temperatures || self.is_timed
+    }
+
+    /// `kT` at a time: of each degree of freedom, or the one of all in a list of one. Zeros if the system has no temperature.
+    ///
+    /// # Errors
+    /// [`BathError::Temperature`]
+    pub fn temperatures<H: Elements, S: Scalar>(
         &self,
         (system, parameters): (&H, &[S::Constant]),
-    ) -> Option<S> {
-        let at = Point::new([&[][..]; 2], Scalar::from_f64(0.0), parameters, &[]);
-        self.temperature.map(|part| system.value(part, 1.0, &at))
+        t: S::Constant,
+        into: &mut [S],
+    ) -> Result<(), BathError> {
+        let zero = S::from_f64(0.0);
+        match self.temperature {
+            Some(part) if self.has_temperatures => elements::covector((system, parameters), part, t, into),
+            Some(part) => into.fill(system.value(part, 1.0, &Point::new([&[][..]; 2], t, parameters, &[]))),
+            None => into.fill(zero),
+        }
+        let is_valid = |temperature: &S| (temperature.is_finite() & zero.less_equal(*temperature)).all();
+        match into.iter().position(|temperature| !is_valid(temperature)) {
+            None => Ok(()),
+            Some(i) => Err(BathError::Temperature {
+                temperature: wrong_lane(into[i]),
+                degree: self.has_temperatures.then_some(i),
+                t: self.is_timed.then(|| t.lane(0)),
+            }),
+        }
     }
 
     /// `M⁻¹`: its diagonal, one number per degree of freedom, or its rows.

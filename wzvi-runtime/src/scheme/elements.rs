@@ -54,7 +54,7 @@ mod step;
 mod sums;
 mod windows;
 
-pub(crate) use bath::{damping, rates};
+pub(crate) use bath::{covector, damping, rates};
 pub use beside::Placements;
 pub(crate) use hamiltonian::{COUNTER_TERM, DRIFT, forces};
 pub use in_loops::{InLoops, Loops};

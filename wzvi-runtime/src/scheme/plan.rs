@@ -155,6 +155,10 @@ impl Facts {
             energy_jumps,
             commuting,
             has_weak_order_two,
+            is_out_of_equilibrium: match self.bath {
+                Some(friction) => friction.is_out_of_equilibrium(),
+                None => false,
+            },
         }
     }
 
@@ -186,6 +190,8 @@ pub struct Plan {
     /// Whether increments that are frozen over a step leave a weak order of two: the noises commute and `Σ_k {H_k, {H_k, H_0}}` is constant,
     /// as for `H_k = -σ q` with constant masses. [`Plan::weak_order`] has the rest.
     pub has_weak_order_two: bool,
+    /// Whether the temperature of the bath depends on the time or on the degree of freedom: then no Boltzmann law is stationary.
+    pub is_out_of_equilibrium: bool,
 }
 
 /// One line: `linear step (one unknown) of order 2; multiplicative noise: strong order 1, weak order 1; the system keeps its energy`.
@@ -223,7 +229,8 @@ impl fmt::Display for Plan {
             Knowledge::Refuted if self.energy_jumps => "; the system keeps its energy between its jumps",
             Knowledge::Refuted => "; the energy of the system changes",
             Knowledge::Unknown => "; whether the system keeps its energy is not known",
-        })
+        })?;
+        f.write_str(if self.is_out_of_equilibrium { "; no equilibrium: its temperatures differ" } else { "" })
     }
 }
 

@@ -88,6 +88,7 @@ pub(crate) const IMPLICIT: Plan = Plan {
     energy_jumps: false,
     commuting: Knowledge::Proven,
     has_weak_order_two: false,
+    is_out_of_equilibrium: false,
 };
 
 /// What acts in a run is in the identity of the source; what the user has set stays.

@@ -8,7 +8,7 @@ use super::{Wanted, arm};
 use crate::describe::Texts;
 use crate::discretise::{Kinetic, Part, Sum, Weighted, unweighted};
 use crate::emit::count;
-use crate::model::{Friction, System, Term};
+use crate::model::{Friction, System, Temperature, Term};
 
 /// The numbers of the parts after those of the step Hamiltonian: parts of the drift, friction, temperature, first integrals.
 pub(super) struct Numbers {
@@ -37,18 +37,30 @@ fn numbered(model: &mut System) -> Vec<(usize, Wanted, Sum)> {
     for (number, term) in (numbers.parts..).zip(&model.parts) {
         all.extend([value(number, term), (number, Wanted::Slopes, unweighted(&term.elements))]);
     }
-    if let Some(Friction { term, is_matrix, .. }) = &model.friction {
+    let mut by_degree = |term: &Term| {
         let mut elements = unweighted(&term.elements);
-        let wanted = if *is_matrix { Wanted::Curvature } else { Wanted::Slopes };
-        for Weighted { element, .. } in elements.iter_mut().filter(|_| !is_matrix) {
-            // The rates without the momenta they act on.
+        for Weighted { element, .. } in &mut elements {
+            // The entries without the momenta they act on.
             let one = model.graph.integer(1);
             let momenta = element.momenta().map(|(momentum, _)| (momentum, one)).collect();
             element.value = model.graph.substitute(&[element.value], &momenta)[0];
         }
-        all.push((numbers.friction, wanted, elements));
+        elements
+    };
+    match &model.friction {
+        Some(Friction { term, is_matrix: true, .. }) => {
+            all.push((numbers.friction, Wanted::Curvature, unweighted(&term.elements)));
+        }
+        Some(Friction { term, .. }) => all.push((numbers.friction, Wanted::Slopes, by_degree(term))),
+        None => {}
     }
-    all.extend(model.temperature.iter().map(|term| value(numbers.temperature, term)));
+    match &model.temperature {
+        Some(Temperature { term, is_list: true, .. }) => {
+            all.push((numbers.temperature, Wanted::Slopes, by_degree(term)));
+        }
+        Some(Temperature { term, .. }) => all.push(value(numbers.temperature, term)),
+        None => {}
+    }
     all.extend((numbers.integrals..).zip(&model.invariants).map(|(number, term)| value(number, term)));
     all
 }
@@ -91,7 +103,13 @@ pub(super) fn bath(model: &mut System) -> Option<TokenStream> {
     let is_matrix = friction.is_matrix.then(|| quote!(is_matrix: true,));
     let is_per_state = friction.is_per_place().then(|| quote!(is_per_state: true,));
     let masses = (!is_diagonal).then(|| quote!(has_diagonal_masses: false,));
-    let fields = quote!(#is_matrix #is_per_state #masses);
+    let (list, timed) = match &model.temperature {
+        Some(Temperature { is_list, reads_time, .. }) => {
+            (is_list.then(|| quote!(has_temperatures: true,)), reads_time.then(|| quote!(is_timed: true,)))
+        }
+        None => (None, None),
+    };
+    let fields = quote!(#is_matrix #is_per_state #masses #list #timed);
     let plain = quote!(#bath::new(#number, #temperature));
     let bath = if fields.is_empty() { plain } else { quote!(#bath { #fields ..#plain }) };
     Some(quote!(__wzvi::Some(#bath)))

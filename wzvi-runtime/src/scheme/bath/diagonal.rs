@@ -20,6 +20,8 @@ pub(super) struct Diagonal<N = f64> {
     pub(super) deviation: Vec<N>,
     /// `M⁻¹`
     pub(super) inverse_mass: Vec<N>,
+    /// Where temperatures depend on the time: the weights of those at the start and at the end of an O part in `R² / h`, [`Bath::ramp`](super::modes::Bath::ramp). `R` is then that of a step.
+    pub(super) ramp: Option<[Vec<N>; 2]>,
 }
 
 impl<const L: usize> Diagonal<Lanes<L>> {
@@ -34,6 +36,7 @@ impl<const L: usize> Diagonal<Lanes<L>> {
             decay: list(|law| &law.decay),
             deviation: list(|law| &law.deviation),
             inverse_mass: list(|law| &law.inverse_mass),
+            ramp: None,
         }
     }
 }
@@ -45,30 +48,34 @@ pub(super) const BLOCK: usize = crate::scheme::elements::BLOCK;
 const BESIDE: usize = 8;
 
 impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
-    /// Moves all momenta, between two drifts over the time `drift` if there is one; returns the heat.
+    /// With `deviation`, moves all momenta, between two drifts over the time `drift` if there is one; returns the heat.
     ///
     /// # Errors
     /// None of its own: those of [`Momenta::relax`].
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn all_blocks<S: Scalar + Mul<N, Output = S>, C: Carry<S>>(
+    pub(super) fn all_blocks<S, C: Carry<S>, D: Copy>(
         &self,
+        deviation: &[D],
         mut momenta: Momenta<'_, S>,
         drift: Option<N>,
-    ) -> Result<S, StepFailure> {
-        let Self { decay, deviation, inverse_mass } = self;
+    ) -> Result<S, StepFailure>
+    where
+        S: Scalar + Mul<N, Output = S> + Mul<D, Output = S>,
+    {
+        let Self { decay, inverse_mass, .. } = self;
         let (mut heat, degrees) = (S::from_f64(0.0), decay.len().min(momenta.p.len()));
         // Numbers with several lanes are vectors already.
         if C::CARRIES || S::LANES > 1 || degrees < BLOCK {
             let constants = decay.iter().zip(deviation).zip(inverse_mass);
             let constants = constants.map(|((&decay, &deviation), &inverse)| Ok((decay, deviation, inverse)));
-            return momenta.relax::<C, N, N>(constants, drift);
+            return momenta.relax::<C, N, D, N>(constants, drift);
         }
         let Momenta { q, normals, p, .. } = momenta;
         for start in (0..degrees).step_by(BLOCK) {
             let places = start..(start + BLOCK).min(degrees);
             let drift = drift.map(|time| (time, &mut q[places.clone()]));
             let p = &mut p[places.clone()];
-            heat = heat + self.block::<S, Plain>(places, normals, drift, p, &mut []);
+            heat = heat + self.block::<S, Plain, D>(places, deviation, normals, drift, p, &mut []);
         }
         Ok(heat)
     }
@@ -76,18 +83,23 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
     /// Moves the momenta of at most one block, with their coordinates; returns the heat. `lost` is what rounding took from the momenta, if sums are
     /// compensated; no coordinates are then given.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn block<S: Scalar + Mul<N, Output = S>, C: Carry<S>>(
+    pub(super) fn block<S, C: Carry<S>, D: Copy>(
         &self,
         places: Range<usize>,
+        deviation: &[D],
         normals: &[S],
         drift: Option<(N, &mut [S])>,
         p: &mut [S],
         lost: &mut [S],
-    ) -> S {
+    ) -> S
+    where
+        S: Scalar + Mul<N, Output = S> + Mul<D, Output = S>,
+    {
         let zero = S::from_f64(0.0);
         let len = places.len().min(BLOCK);
-        let [decay, deviation, inverse_mass] =
-            [&self.decay, &self.deviation, &self.inverse_mass].map(|list| &list[places.clone()][..len]);
+        let [decay, inverse_mass] =
+            [&self.decay, &self.inverse_mass].map(|list| &list[places.clone()][..len]);
+        let deviation = &deviation[places.clone()][..len];
         // Without temperature there are no normals.
         let none = [zero; BLOCK];
         let normals = normals.get(places).unwrap_or(&none);

@@ -28,7 +28,7 @@ impl Decay {
 pub(super) struct Bath<K = f64> {
     /// `s`
     pub(super) time: K,
-    /// `kT`
+    /// `kT`, where it is one constant.
     pub(super) temperature: K,
     /// `1 / √h` of the whole step: the step is driven by `√h ξ`.
     pub(super) unit: K,
@@ -53,6 +53,30 @@ impl<K: Constant> Bath<K> {
         }
     }
 
+    /// `E` of a mode, and the weights of the temperatures at the start and at the end of the O part in the variance of its noise, `R² M⁻¹ / h`. With
+    /// `c = e^{-x}`, `x = s λ`, and a temperature that is linear in between,
+    ///
+    /// ```text
+    /// ∫ 2 λ T(u) e^{-2 λ (s - u)} du = T_0 ((1 - c²)/(2 x) - c²) + T_1 (1 - (1 - c²)/(2 x))
+    /// ```
+    ///
+    /// Cayley's map takes the temperature in the middle, which is then the one at the start.
+    pub(super) fn ramp<S: Over<K>>(&self, rate: S) -> (S, [S; 2]) {
+        let square = self.unit * self.unit;
+        match self.decay {
+            Decay::Exponential => {
+                let x = rate * self.time;
+                let (all, last) = (-(x * -2.0).exp_m1(), averaged(x * 2.0));
+                ((-x).exp(), [(all - last) * square, last * square])
+            }
+            Decay::Cayley => {
+                let (x, one) = (rate * (self.time * 0.5), S::from_f64(1.0));
+                let sum = one + x;
+                ((one - x) / sum, [x * 4.0 / (sum * sum) * square, S::from_f64(0.0)])
+            }
+        }
+    }
+
     /// `1 - E` of a mode.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lost<S: Over<K>>(&self, rate: S) -> S {
@@ -64,6 +88,18 @@ impl<K: Constant> Bath<K> {
             }
         }
     }
+}
+
+/// `1 - (1 - e^{-y})/y` for `y` that is not negative: below 1 by its series, since the difference would lose digits.
+fn averaged<S: Scalar>(y: S) -> S {
+    // y/2! - y²/3! + y³/4! - ...: the first term that is left out is below 1/20!.
+    let (mut series, mut term) = (S::from_f64(0.0), y * 0.5);
+    for n in 3..20 {
+        series = series + term;
+        term = -(term * y) / f64::from(n);
+    }
+    let one = S::from_f64(1.0);
+    S::select(y.less(one), series, one + (-y).exp_m1() / y)
 }
 
 /// Factors of the masses; empty where rates and masses are lists.
@@ -175,8 +211,24 @@ impl<S: Scalar> Modes<'_, S> {
     where
         S: Over<K>,
     {
+        self.scale(|rate| bath.mode(rate).1, d);
+    }
+
+    /// The same at the temperatures of both ends of the O part.
+    pub(super) fn deviation_between<K: Constant>(&mut self, bath: &Bath<K>, [first, last]: [S; 2], d: usize)
+    where
+        S: Over<K>,
+    {
+        let deviation = |rate: S| {
+            let [of_first, of_last] = bath.ramp(rate).1;
+            (first * of_first + last * of_last).sqrt()
+        };
+        self.scale(deviation, d);
+    }
+
+    fn scale(&mut self, deviation: impl Fn(S) -> S, d: usize) {
         for k in 0..d {
-            let (_, deviation) = bath.mode(self.rates[k * (d + 1)]);
+            let deviation = deviation(self.rates[k * (d + 1)]);
             for row in self.modes.chunks_exact_mut(d) {
                 row[k] = row[k] * deviation;
             }

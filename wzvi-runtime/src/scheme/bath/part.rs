@@ -58,14 +58,15 @@ pub(super) fn rate<T: Elements, K: Constant>(
 /// The constants of the O parts.
 #[derive(Clone, Debug)]
 pub(super) enum Law<K> {
-    Known(Relaxation<K>),
+    /// With all parameters, where these have derivatives.
+    Known(Relaxation<K>, Vec<K>),
     /// They follow from the size of the state, and from all parameters, where these have derivatives.
     OfState(Vec<K>),
 }
 
 impl<K> Law<K> {
     fn known(&self) -> Option<&Relaxation<K>> {
-        if let Self::Known(relaxation) = self { Some(relaxation) } else { None }
+        if let Self::Known(relaxation, _) = self { Some(relaxation) } else { None }
     }
 }
 
@@ -81,20 +82,22 @@ pub(super) fn prepare<T: Elements, K: Constant>(
     let (degrees, friction) = (system.degrees(), Damped::<T>::FRICTION);
     let parameters = varied_without_lists(system, lift)?;
     if degrees == 0 {
-        Relaxation::<f64>::check((system, &[]), friction).map_err(ConfigError::Bath)?;
+        if !friction.is_out_of_equilibrium() {
+            Relaxation::<f64>::check((system, &[]), friction).map_err(ConfigError::Bath)?;
+        }
         return Ok(Law::OfState(parameters));
     }
     let relaxation = Relaxation::new((system, &*parameters), friction, degrees, h, shares.of_one());
-    relaxation.map(Law::Known).map_err(ConfigError::Bath)
+    relaxation.map(|relaxation| Law::Known(relaxation, parameters)).map_err(ConfigError::Bath)
 }
 
-/// The constants of systems in lanes; `None` if there are none.
+/// The constants of systems in lanes; `None` if there are none, and where each step has its own temperatures.
 pub(super) fn gather<const L: usize>(of_lanes: [&Law<f64>; L]) -> Option<Law<Lanes<L>>> {
     let mut relaxations = [of_lanes.first()?.known()?; L];
     for (relaxation, of_lane) in relaxations.iter_mut().zip(of_lanes) {
         *relaxation = of_lane.known()?;
     }
-    Relaxation::gather(relaxations).map(Law::Known)
+    Relaxation::gather(relaxations).map(|relaxation| Law::Known(relaxation, Vec::new()))
 }
 
 /// The constants for one step size and number of degrees of freedom.
@@ -130,10 +133,63 @@ impl Own {
 pub struct Memory<S> {
     own: Option<Own>,
     room: Room<S>,
+    driving: Driving<S>,
     /// The heat of each part, block by block, where a step goes window by window.
     blocks: Vec<AtomicU64>,
     /// The heat of the last step.
     pub(super) heat: S,
+}
+
+/// What the temperatures of a step give its O parts, where they depend on the time or on the place of a friction that does: for each part the numbers `R / √h` of the
+/// degrees of freedom or modes, or the temperatures at its start and those at its end.
+#[derive(Debug, Default)]
+struct Driving<S> {
+    numbers: Vec<S>,
+    ends: [Vec<S>; 2],
+}
+
+impl<S: Scalar> Driving<S> {
+    /// For a step from `t` of size `h`. The O parts share its time, one after the other.
+    ///
+    /// # Errors
+    /// [`BathError::Temperature`]
+    fn fill<T: Elements, K: Constant>(
+        &mut self,
+        (system, parameters): (&T, &[K]),
+        relaxation: &Relaxation<K>,
+        [t, h]: [K; 2],
+        (shares, degrees): (Shares, usize),
+    ) -> Result<(), BathError>
+    where
+        S: Over<K>,
+    {
+        let Self { numbers, ends } = self;
+        let (friction, share) = (Damped::<T>::FRICTION, 1.0 / shares.parts as f64);
+        let length = if friction.has_temperatures { degrees } else { 1 };
+        ends.iter_mut().for_each(|end| end.resize(length, S::from_f64(0.0)));
+        numbers.clear();
+        for part in 0..shares.parts {
+            let fractions = match shares.decay {
+                Decay::Exponential => [part as f64, part as f64 + 1.0],
+                Decay::Cayley => [part as f64 + 0.5; 2],
+            };
+            for (end, fraction) in ends.iter_mut().zip(fractions) {
+                let t = S::constant(t + h * (fraction * share)).to_constant();
+                friction.temperatures((system, S::varied(parameters)), t, end)?;
+            }
+            let [first, last] = &*ends;
+            match relaxation.ramp() {
+                Some([of_first, of_last]) => numbers.extend(of_first.iter().zip(of_last).enumerate().map(
+                    |(i, (&of_first, &of_last))| {
+                        let i = if friction.has_temperatures { i } else { 0 };
+                        (first[i] * of_first + last[i] * of_last).sqrt()
+                    },
+                )),
+                None => numbers.extend(first.iter().chain(last)),
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The copy allocates its own scratch.
@@ -172,7 +228,7 @@ impl<S: Scalar> Memory<S> {
         }
     }
 
-    /// The O parts of a step of size `h`, driven by `normals`. Allocates in the first step only, and only where the system does not know its size.
+    /// The O parts of a step of size `h` from `t`, driven by `normals`. Allocates in the first step only, and only where the system does not know its size.
     ///
     /// # Errors
     /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature;
@@ -182,16 +238,19 @@ impl<S: Scalar> Memory<S> {
         &'m mut self,
         system: &'m T,
         prepared: &'m Law<K>,
-        (h, shares, degrees): (K, Shares, usize),
+        ([t, h], shares, degrees): ([K; 2], Shares, usize),
         (dw, noises): (&'m [S], usize),
-    ) -> Result<Parts<'m, T, K, S>, StepFailure> {
+    ) -> Result<Parts<'m, T, K, S>, StepFailure>
+    where
+        S: Over<K>,
+    {
         let expected = noises + normals::<T>(degrees, shares.parts);
         if dw.len() != expected {
             return Err(StepFailure::Increments { expected, got: dw.len() });
         }
         self.fit::<T>(degrees);
-        let relaxation = match prepared {
-            Law::Known(relaxation) => relaxation,
+        let (relaxation, parameters) = match prepared {
+            Law::Known(relaxation, parameters) => (relaxation, parameters),
             Law::OfState(parameters) => {
                 let is_alike = |own: &Own| own.h == h.lane(0) && own.degrees == degrees;
                 let own = match self.own.take().filter(is_alike) {
@@ -199,19 +258,40 @@ impl<S: Scalar> Memory<S> {
                     None => Own::new((system, parameters), degrees, h, shares)?,
                 };
                 // A memory belongs to the steps of one stepper, which have one type of constants.
-                (self.own.insert(own).relaxation.downcast_ref())
-                    .ok_or(StepFailure::Internal(StepPromise::PlainConstants))?
+                let relaxation = (self.own.insert(own).relaxation.downcast_ref())
+                    .ok_or(StepFailure::Internal(StepPromise::PlainConstants))?;
+                (relaxation, parameters)
             }
         };
+        if const { drives::<T>() } && !relaxation.is_still() {
+            let (of, size) = ((system, &parameters[..]), (shares, degrees));
+            self.driving.fill(of, relaxation, [t, h], size).map_err(StepFailure::Bath)?;
+        }
         let per_part = (expected - noises) / shares.parts;
-        let Self { room, blocks, .. } = self;
-        Ok(Parts { system, relaxation, normals: &dw[noises..], per_part, room, blocks })
+        let Self { room, driving, blocks, .. } = self;
+        let driving = &driving.numbers[..];
+        Ok(Parts {
+            system,
+            relaxation,
+            normals: &dw[noises..],
+            per_part,
+            driving,
+            parts: shares.parts,
+            room,
+            blocks,
+        })
     }
 }
 
 /// The value as type `B`, if that is its type.
 fn same<A: Any, B: Any>(value: &A) -> Option<&B> {
     (value as &dyn Any).downcast_ref()
+}
+
+/// Whether temperatures act step by step: where they depend on the time, and where they differ and friction is that of a place.
+const fn drives<T: Elements>() -> bool {
+    let friction = Damped::<T>::FRICTION;
+    friction.is_timed || (friction.has_temperatures && friction.is_per_state)
 }
 
 /// The number of standard normals that drive a step with `parts` O parts.
@@ -225,6 +305,9 @@ pub(super) struct Parts<'m, T, K, S> {
     relaxation: &'m Relaxation<K>,
     normals: &'m [S],
     per_part: usize,
+    /// Those of all parts: [`Driving`].
+    driving: &'m [S],
+    parts: usize,
     room: &'m mut Room<S>,
     blocks: &'m mut Vec<AtomicU64>,
 }
@@ -233,10 +316,10 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
     /// The parts place by place, `parts` in number, where rates and masses are lists and numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
-        let Self { relaxation, normals, per_part, blocks, .. } = self;
-        let (law, normals) = (same(relaxation.diagonal()?)?, S::plain(normals)?);
+        let Self { relaxation, normals, per_part, driving, blocks, .. } = self;
+        let (law, normals, driving) = (same(relaxation.diagonal()?)?, S::plain(normals)?, S::plain(driving)?);
         blocks.resize_with(parts * degrees.div_ceil(BLOCK), AtomicU64::default);
-        Some(ByPlace { law, normals, per_part, blocks, parts })
+        Some(ByPlace { law, normals, per_part, driving, blocks, parts })
     }
 
     /// Whether there is no friction.
@@ -264,7 +347,10 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         [q, p, lost]: [&mut [S]; 3],
     ) -> Result<S, StepFailure> {
         let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
-        self.relaxation.apply::<T, S, C>(self.system, Momenta { q, normals, p, lost }, drift, self.room)
+        let of_part = self.driving.len() / self.parts;
+        let driving = &self.driving[part * of_part..(part + 1) * of_part];
+        let momenta = Momenta { q, normals, p, lost };
+        self.relaxation.apply::<T, S, C>(self.system, momenta, (drift, driving), self.room)
     }
 }
 
@@ -274,6 +360,8 @@ pub(crate) struct ByPlace<'m> {
     law: &'m Diagonal,
     normals: &'m [f64],
     per_part: usize,
+    /// `R / √h` of all parts in this step; empty if it is that of the law.
+    driving: &'m [f64],
     /// The bits of the heats of the `parts` of each block: threads share the list, but each writes to its own blocks.
     blocks: &'m [AtomicU64],
     parts: usize,
@@ -292,6 +380,10 @@ impl ByPlace<'_> {
         lost: &mut [f64],
     ) {
         let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
+        let deviation = match self.driving.len() / self.parts {
+            0 => &self.law.deviation[..],
+            degrees => &self.driving[part * degrees..(part + 1) * degrees],
+        };
         let heats = self.blocks[places.start / BLOCK * self.parts..].chunks(self.parts);
         for (block, (p, heats)) in p.chunks_mut(BLOCK).zip(heats).enumerate() {
             let (from, len) = (block * BLOCK, p.len());
@@ -300,9 +392,9 @@ impl ByPlace<'_> {
             let heat = match CARRIES {
                 true => {
                     let lost = &mut lost[from..from + len];
-                    self.law.block::<_, Compensation<f64, 1>>(places, normals, drift, p, lost)
+                    self.law.block::<_, Compensation<f64, 1>, _>(places, deviation, normals, drift, p, lost)
                 }
-                false => self.law.block::<_, Plain>(places, normals, drift, p, &mut []),
+                false => self.law.block::<_, Plain, _>(places, deviation, normals, drift, p, &mut []),
             };
             heats[part].store(heat.to_bits(), Ordering::Relaxed);
         }

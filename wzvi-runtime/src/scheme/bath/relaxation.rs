@@ -30,7 +30,13 @@ pub(super) enum Relaxation<K = f64> {
     /// Rates and masses as lists.
     Diagonal(Diagonal<K>),
     /// The same as matrices, of one system.
-    Matrix { decay: Vec<K>, deviation: Vec<K>, inverse_mass: Vec<K> },
+    Matrix {
+        decay: Vec<K>,
+        deviation: Vec<K>,
+        inverse_mass: Vec<K>,
+        /// As of [`Diagonal`], of modes; `deviation` is then that of modes with the noise 1.
+        ramp: Option<[Vec<K>; 2]>,
+    },
     /// Friction that depends on the state.
     Frozen(Frozen<K>),
 }
@@ -78,7 +84,14 @@ impl<K: Constant> Relaxation<K> {
         (share, decay): (f64, Decay),
     ) -> Result<Self, BathError> {
         let (zero, varied) = (K::from_f64(0.0), K::varied(parameters));
-        let temperature = Self::check((system, varied), friction)?;
+        let temperature = match friction.is_out_of_equilibrium() {
+            true => zero,
+            false => Self::check((system, varied), friction)?,
+        };
+        let mut temperatures = vec![zero; if friction.has_temperatures { degrees } else { 0 }];
+        if friction.has_temperatures && !friction.is_timed {
+            friction.temperatures((system, varied), Scalar::from_f64(0.0), &mut temperatures)?;
+        }
         let mut gamma = vec![zero; if friction.is_matrix { degrees * degrees } else { degrees }];
         if !friction.is_per_state {
             friction.damping((system, varied), &vec![zero; degrees], &mut gamma, &mut PairColumns::default());
@@ -105,9 +118,12 @@ impl<K: Constant> Relaxation<K> {
             return Ok(Self::Frozen(Frozen { mass, inverse_mass, bath, parameters }));
         }
         match (friction.is_matrix, friction.has_diagonal_masses) {
-            (false, true) => diagonal(&gamma, inverse_mass, &bath),
-            (false, false) => uniform(gamma.first().copied(), &mass, inverse_mass, &bath),
-            (true, _) => constant(gamma, &mass, inverse_mass, &bath, degrees),
+            (false, true) if friction.is_timed => ramped(&gamma, inverse_mass, &bath),
+            (false, true) => diagonal(&gamma, inverse_mass, &bath, &temperatures),
+            (false, false) => {
+                uniform(gamma.first().copied(), &mass, inverse_mass, (&bath, friction.is_timed))
+            }
+            (true, _) => constant(gamma, &mass, inverse_mass, (&bath, friction.is_timed), degrees),
         }
     }
 
@@ -117,12 +133,9 @@ impl<K: Constant> Relaxation<K> {
     /// [`BathError::Temperature`]
     pub(super) fn check<T: Elements>(of: (&T, &[K::Constant]), friction: Friction) -> Result<K, BathError> {
         let zero = K::from_f64(0.0);
-        let temperature = friction.temperature(of).unwrap_or(zero);
-        if (temperature.is_finite() & zero.less_equal(temperature)).all() {
-            Ok(temperature)
-        } else {
-            Err(BathError::Temperature { temperature: temperature.lane(0) })
-        }
+        let mut temperature = [zero];
+        friction.temperatures(of, Scalar::from_f64(0.0), &mut temperature)?;
+        Ok(temperature[0])
     }
 
     /// The length of the scratch of [`Relaxation::apply`].
@@ -141,6 +154,14 @@ impl<K: Constant> Relaxation<K> {
         matches!(self, Self::Still)
     }
 
+    /// The weights of the temperatures at both ends of an O part, where these depend on the time.
+    pub(super) fn ramp(&self) -> Option<&[Vec<K>; 2]> {
+        match self {
+            Self::Diagonal(Diagonal { ramp, .. }) | Self::Matrix { ramp, .. } => ramp.as_ref(),
+            Self::Still | Self::Frozen(_) => None,
+        }
+    }
+
     /// Rates and masses, if they are lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn diagonal(&self) -> Option<&Diagonal<K>> {
@@ -148,7 +169,7 @@ impl<K: Constant> Relaxation<K> {
     }
 
     /// Moves the momenta, and the coordinates by a drift over the time `drift` before and one after; returns the heat, the gain of kinetic
-    /// energy. Lanes do not account for it.
+    /// energy. Lanes do not account for it. `driving` is what the temperatures of the step give the part, where they do.
     ///
     /// # Errors
     /// [`BathError::Friction`] where friction is negative; `p` is then unspecified. [`StepPromise::ListedRates`] for drifts where rates and
@@ -158,7 +179,7 @@ impl<K: Constant> Relaxation<K> {
         &self,
         system: &T,
         mut momenta: Momenta<'_, S>,
-        drift: Option<K>,
+        (drift, driving): (Option<K>, &[S]),
         room: &mut Room<S>,
     ) -> Result<S, StepFailure> {
         if drift.is_some() && (C::CARRIES || self.diagonal().is_none()) {
@@ -166,20 +187,39 @@ impl<K: Constant> Relaxation<K> {
         }
         Ok(match self {
             Self::Still => S::from_f64(0.0),
-            Self::Diagonal(law) => law.all_blocks::<S, C>(momenta, drift)?,
-            Self::Matrix { decay, deviation, inverse_mass } => {
+            Self::Diagonal(law) if const { Damped::<T>::FRICTION.is_timed } => {
+                law.all_blocks::<S, C, S>(driving, momenta, drift)?
+            }
+            Self::Diagonal(law) => law.all_blocks::<S, C, K>(&law.deviation, momenta, drift)?,
+            Self::Matrix { decay, deviation, inverse_mass, .. } => {
                 let d = momenta.p.len();
                 for (i, to) in room.numbers.iter_mut().enumerate().take(d) {
                     let kept = (0..d).fold(S::from_f64(0.0), |sum, j| sum + momenta.p[j] * decay[i * d + j]);
-                    *to = momenta.with_noise(kept, i, &deviation[i * d..]);
+                    let row = &deviation[i * d..(i + 1) * d];
+                    *to = match const { Damped::<T>::FRICTION.is_timed } {
+                        true => row.iter().zip(driving).enumerate().fold(kept, |sum, (k, (entry, noise))| {
+                            sum + *noise * of_normal(momenta.normals, k) * *entry
+                        }),
+                        false => momenta.with_noise(kept, i, row),
+                    };
                 }
                 momenta.replace::<C, K>(&room.numbers[..d], inverse_mass)
             }
             Self::Frozen(frozen) => {
                 if Damped::<T>::FRICTION.is_matrix {
-                    frozen.apply_matrix::<T, S, C>((system, S::varied(&frozen.parameters)), momenta, room)?
+                    frozen.apply_matrix::<T, S, C>(
+                        (system, S::varied(&frozen.parameters)),
+                        momenta,
+                        driving,
+                        room,
+                    )?
                 } else {
-                    frozen.apply_rates::<T, S, C>((system, S::varied(&frozen.parameters)), momenta, room)?
+                    frozen.apply_rates::<T, S, C>(
+                        (system, S::varied(&frozen.parameters)),
+                        momenta,
+                        driving,
+                        room,
+                    )?
                 }
             }
         })
@@ -187,14 +227,14 @@ impl<K: Constant> Relaxation<K> {
 }
 
 impl Relaxation {
-    /// Gathers systems in lanes: if rates and masses of all are lists, or none has friction.
+    /// Gathers systems in lanes: if rates and masses of all are lists and no temperature depends on the time, or none has friction.
     pub(super) fn gather<const L: usize>(of_lanes: [&Self; L]) -> Option<Relaxation<Lanes<L>>> {
         if of_lanes.iter().all(|law| law.is_still()) {
             return Some(Relaxation::Still);
         }
         let mut laws = [of_lanes.first()?.diagonal()?; L];
         for (law, of_lane) in laws.iter_mut().zip(of_lanes) {
-            *law = of_lane.diagonal()?;
+            *law = of_lane.diagonal().filter(|law| law.ramp.is_none())?;
         }
         Some(Relaxation::Diagonal(Diagonal::gather(laws)))
     }
@@ -222,13 +262,13 @@ impl<S: Scalar> Momenta<'_, S> {
     /// # Errors
     /// Those of the `constants` `E`, `R / √h` and `M⁻¹`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn relax<C: Carry<S>, D: Copy, K: Copy + Mul<Output = K> + Mul<f64, Output = K>>(
+    pub(super) fn relax<C: Carry<S>, D: Copy, V: Copy, K: Copy + Mul<Output = K> + Mul<f64, Output = K>>(
         &mut self,
-        constants: impl Iterator<Item = Result<(D, D, K), StepFailure>>,
+        constants: impl Iterator<Item = Result<(D, V, K), StepFailure>>,
         drift: Option<K>,
     ) -> Result<S, StepFailure>
     where
-        S: Mul<D, Output = S> + Mul<K, Output = S>,
+        S: Mul<D, Output = S> + Mul<V, Output = S> + Mul<K, Output = S>,
     {
         let mut heat = S::from_f64(0.0);
         for ((i, p), constants) in self.p.iter_mut().enumerate().zip(constants) {
@@ -304,23 +344,54 @@ fn check_rate<K: Constant>(rate: K) -> Result<K, BathError> {
     if is_rate.all() { Ok(rate) } else { Err(BathError::Friction { rate: rate.lane(0) }) }
 }
 
+/// The mass of a degree of freedom with friction is positive.
+///
+/// # Errors
+/// [`BathError::Mass`]
+fn check_mass<K: Constant>(degree: usize, inverse: K) -> Result<(), BathError> {
+    let is_mass = K::from_f64(0.0).less(inverse).all();
+    if is_mass { Ok(()) } else { Err(BathError::Mass { degree, inverse: inverse.lane(0) }) }
+}
+
+/// At temperatures that depend on the time.
+fn ramped<K: Constant>(
+    rates: &[K],
+    inverse_mass: Vec<K>,
+    bath: &Bath<K>,
+) -> Result<Relaxation<K>, BathError> {
+    let list = |number| vec![K::from_f64(number); rates.len()];
+    let (mut decay, mut first, mut last) = (list(1.0), list(0.0), list(0.0));
+    for (degree, (&rate, &inverse)) in rates.iter().zip(&inverse_mass).enumerate() {
+        if rate.vanishes().all() {
+            continue;
+        }
+        check_mass(degree, inverse)?;
+        let (kept, weights) = bath.ramp(check_rate(rate)?);
+        decay[degree] = kept;
+        [first[degree], last[degree]] = weights.map(|weight| weight / inverse);
+    }
+    let (deviation, ramp) = (Vec::new(), Some([first, last]));
+    Ok(Relaxation::Diagonal(Diagonal { decay, deviation, inverse_mass, ramp }))
+}
+
+/// At the temperature of the bath, or at `temperatures` if there are any.
 fn diagonal<K: Constant>(
     rates: &[K],
     inverse_mass: Vec<K>,
     bath: &Bath<K>,
+    temperatures: &[K],
 ) -> Result<Relaxation<K>, BathError> {
     let [mut decay, mut deviation] = [1.0, 0.0].map(|number| vec![K::from_f64(number); rates.len()]);
     for (degree, (&rate, &inverse)) in rates.iter().zip(&inverse_mass).enumerate() {
         if rate.vanishes().all() {
             continue;
         }
-        if !K::from_f64(0.0).less(inverse).all() {
-            return Err(BathError::Mass { degree, inverse: inverse.lane(0) });
-        }
-        let (kept, noise) = bath.mode(check_rate(rate)?);
+        check_mass(degree, inverse)?;
+        let temperature = temperatures.get(degree).copied().unwrap_or(bath.temperature);
+        let (kept, noise) = Bath { temperature, ..*bath }.mode(check_rate(rate)?);
         (decay[degree], deviation[degree]) = (kept, noise / inverse.sqrt());
     }
-    Ok(Relaxation::Diagonal(Diagonal { decay, deviation, inverse_mass }))
+    Ok(Relaxation::Diagonal(Diagonal { decay, deviation, inverse_mass, ramp: None }))
 }
 
 /// One rate, with a mass matrix.
@@ -328,14 +399,18 @@ fn uniform<K: Constant>(
     rate: Option<K>,
     mass: &Factors<K>,
     inverse_mass: Vec<K>,
-    bath: &Bath<K>,
+    (bath, is_timed): (&Bath<K>, bool),
 ) -> Result<Relaxation<K>, BathError> {
     let zero = K::from_f64(0.0);
-    let (kept, noise) = bath.mode(check_rate(rate.unwrap_or(zero))?);
+    let rate = check_rate(rate.unwrap_or(zero))?;
+    let (kept, noise) = bath.mode(rate);
+    let degrees = mass.mass.len().isqrt();
+    let ramp = is_timed.then(|| bath.ramp(rate).1.map(|weight| vec![weight; degrees]));
+    let noise = if is_timed { K::from_f64(1.0) } else { noise };
     let deviation: Vec<K> = mass.mass.iter().map(|entry| noise * *entry).collect();
     let mut decay = vec![zero; deviation.len()];
     decay.iter_mut().step_by(deviation.len().isqrt() + 1).for_each(|entry| *entry = kept);
-    Ok(Relaxation::Matrix { decay, deviation, inverse_mass })
+    Ok(Relaxation::Matrix { decay, deviation, inverse_mass, ramp })
 }
 
 /// A constant friction matrix.
@@ -343,7 +418,7 @@ fn constant<K: Constant>(
     mut gamma: Vec<K>,
     mass: &Factors<K>,
     inverse_mass: Vec<K>,
-    bath: &Bath<K>,
+    (bath, is_timed): (&Bath<K>, bool),
     d: usize,
 ) -> Result<Relaxation<K>, BathError> {
     let (zero, one) = (K::from_f64(0.0), K::from_f64(1.0));
@@ -367,8 +442,14 @@ fn constant<K: Constant>(
         });
         *entry = slowest * (if i == j { one } else { zero } - lost);
     }
-    found.deviation(bath, d);
-    Ok(Relaxation::Matrix { decay, deviation: modes, inverse_mass })
+    let ramp = is_timed.then(|| {
+        let weights: Vec<[K; 2]> = (0..d).map(|k| bath.ramp(found.rates[k * (d + 1)]).1).collect();
+        [0, 1].map(|end| weights.iter().map(|weights| weights[end]).collect())
+    });
+    if !is_timed {
+        found.deviation(bath, d);
+    }
+    Ok(Relaxation::Matrix { decay, deviation: modes, inverse_mass, ramp })
 }
 
 /// The error for negative friction.
@@ -378,11 +459,17 @@ fn negative(rate: f64) -> StepFailure {
 }
 
 impl<K: Constant> Frozen<K> {
-    /// Decay and noise of a mode with this rate, as [`Bath::mode`].
+    /// Decay and noise of a mode with this rate, as [`Bath::mode`]; at the temperatures of both ends of the part, if there are any.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn mode<S: Over<K>>(&self, rate: S) -> Result<(S, S), StepFailure> {
+    fn mode<S: Over<K>>(&self, rate: S, ends: Option<[S; 2]>) -> Result<(S, S), StepFailure> {
         refuse_negative(rate).map_err(negative)?;
-        Ok(self.bath.mode(rate))
+        Ok(match ends {
+            None => self.bath.mode(rate),
+            Some([first, last]) => {
+                let (kept, [of_first, of_last]) = self.bath.ramp(rate);
+                (kept, (first * of_first + last * of_last).sqrt())
+            }
+        })
     }
 
     /// Rates by degree of freedom, or one rate with a mass matrix.
@@ -391,19 +478,26 @@ impl<K: Constant> Frozen<K> {
         &self,
         system: (&T, &[S::Constant]),
         mut momenta: Momenta<'_, S>,
+        driving: &[S],
         Room { numbers, columns }: &mut Room<S>,
     ) -> Result<S, StepFailure> {
+        let (first, last) = driving.split_at(driving.len() / 2);
+        let ends = |degree: usize| {
+            let degree = if Damped::<T>::FRICTION.has_temperatures { degree } else { 0 };
+            Some([*first.get(degree)?, *last.get(degree)?])
+        };
         let (rates, new) = numbers.split_at_mut(momenta.p.len());
         Damped::<T>::FRICTION.damping(system, momenta.q, rates, columns);
         if Damped::<T>::FRICTION.has_diagonal_masses {
-            let constants = rates.iter().zip(&self.inverse_mass).map(|(&rate, &inverse)| {
-                let (decay, noise) = self.mode(rate)?;
-                Ok((decay, noise / inverse.sqrt(), inverse))
-            });
-            return momenta.relax::<C, S, K>(constants, None);
+            let constants =
+                rates.iter().zip(&self.inverse_mass).enumerate().map(|(degree, (&rate, &inverse))| {
+                    let (decay, noise) = self.mode(rate, ends(degree))?;
+                    Ok((decay, noise / inverse.sqrt(), inverse))
+                });
+            return momenta.relax::<C, S, S, K>(constants, None);
         }
         let Some(&rate) = rates.first() else { return Ok(S::from_f64(0.0)) };
-        let (decay, noise) = self.mode(rate)?;
+        let (decay, noise) = self.mode(rate, ends(0))?;
         let masses = self.mass.mass.chunks_exact(momenta.p.len());
         for (i, (new, mass)) in new.iter_mut().zip(masses).enumerate() {
             *new = momenta.p[i] * decay + momenta.with_noise(S::from_f64(0.0), i, mass) * noise;
@@ -416,6 +510,7 @@ impl<K: Constant> Frozen<K> {
         &self,
         system: (&T, &[S::Constant]),
         mut momenta: Momenta<'_, S>,
+        driving: &[S],
         Room { numbers, columns }: &mut Room<S>,
     ) -> Result<S, StepFailure> {
         let (zero, d) = (S::from_f64(0.0), momenta.p.len());
@@ -435,7 +530,10 @@ impl<K: Constant> Frozen<K> {
             let lost = (0..d).fold(zero, |sum, k| sum + found.modes[i * d + k] * along[k]);
             *new = slowest * (momenta.p[i] - lost);
         }
-        found.deviation(&self.bath, d);
+        match driving {
+            [first, last] => found.deviation_between(&self.bath, [*first, *last], d),
+            _ => found.deviation(&self.bath, d),
+        }
         for (i, (new, row)) in new.iter_mut().zip(found.modes.chunks_exact(d)).enumerate() {
             *new = momenta.with_noise(*new, i, row);
         }

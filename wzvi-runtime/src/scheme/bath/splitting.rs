@@ -175,7 +175,8 @@ where
                 return Ok(Effort::fast(0));
             }
         }
-        let parts = bath.parts(system, &prepared.relaxation, (h, shares::<W>(), degrees), (dw, noises))?;
+        let parts =
+            bath.parts(system, &prepared.relaxation, ([t, h], shares::<W>(), degrees), (dw, noises))?;
         let Stages(list) = match parts.are_lists() && !C::CARRIES && noises == 0 {
             _ if parts.are_still() => &prepared.still,
             true => &prepared.joined,
@@ -218,7 +219,7 @@ fn in_windows<'m, F: Field, K: Constant, S: Over<K>, C: Carry<S>, W: Letters>(
     bath: &mut part::Memory<S>,
 ) -> Option<Result<(Taken<'m>, f64), StepFailure>> {
     let degrees = givens.q.len();
-    let size = (K::from_f64(givens.h), shares::<W>(), degrees);
+    let size = ([givens.t, givens.h].map(K::from_f64), shares::<W>(), degrees);
     let driven = match bath.parts(system, &prepared.relaxation, size, (dw, system.noises())) {
         Ok(driven) => driven,
         Err(failure) => return Some(Err(failure)),

@@ -88,7 +88,7 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
         let degrees = q.len();
         check_state(system, true, [degrees, p.len()])?;
         let noises = SchemeOf::<T, E>::increments(system, degrees);
-        let size = (h, SHARES, degrees);
+        let size = ([t, h], SHARES, degrees);
         let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
         let (effort, heat) = between(&mut parts, [q, p], kept, carry, |[q, p], memory, carry| {
             let at = At { t, h, q, p, dw: &dw[..noises] };

@@ -1,5 +1,6 @@
 //! Friction of any sum of elements, for thermostats.
 
+use super::step::nothing;
 use super::{By, Elements, PairColumns, Point, Slopes, slopes};
 use crate::algebra::scalar::Scalar;
 
@@ -18,6 +19,22 @@ pub(crate) fn rates<H: Elements, S: Scalar>(
     let at = Point::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
     into.fill(S::from_f64(0.0));
     slopes(system, (part, 1.0), &at, Slopes::BY_COORDINATES, into, &mut [], columns);
+    // A covector `f` has the slopes `-f`.
+    into.iter_mut().for_each(|entry| *entry = -*entry);
+}
+
+/// The entries of part number `part`, a covector of the time alone.
+pub(crate) fn covector<H: Elements, S: Scalar>(
+    (system, parameters): (&H, &[S::Constant]),
+    part: usize,
+    t: S::Constant,
+    into: &mut [S],
+) {
+    // Nothing reads coordinates or momenta.
+    let zeros = vec![nothing(); into.len()];
+    let at = Point::new([&*zeros, &*zeros], t, parameters, &[]);
+    into.fill(S::from_f64(0.0));
+    slopes(system, (part, 1.0), &at, Slopes::BY_COORDINATES, into, &mut [], &mut PairColumns::default());
     // A covector `f` has the slopes `-f`.
     into.iter_mut().for_each(|entry| *entry = -*entry);
 }
