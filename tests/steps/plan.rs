@@ -52,6 +52,7 @@ fn kubo() {
             commuting: Proven,
             // Its flow has; the step does not, being of order two.
             has_weak_order_two: true,
+            is_out_of_equilibrium: false,
         }
     );
     assert!(midpoint.truncates_increments());

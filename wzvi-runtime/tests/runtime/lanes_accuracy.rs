@@ -3,11 +3,7 @@
 //! The bounds are those of the table in the documentation of `wzvi_runtime::algebra::lanes`. With `WZVI_SAMPLES=1000000` in the
 //! environment every function is measured at so many arguments per range, and `--nocapture` prints what was found.
 
-#[path = "../../../wzvi-macros/src/symbolic/tests/real.rs"]
-#[allow(unreachable_pub, reason = "another crate shares it")]
-mod real;
-
-use real::{Real, error_in_ulps, with_precision};
+use crate::real::{Real, error_in_ulps, with_precision};
 use wzvi_runtime::algebra::lanes::Lanes;
 use wzvi_runtime::algebra::scalar::Scalar;
 

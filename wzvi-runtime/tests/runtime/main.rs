@@ -14,4 +14,7 @@ mod law;
 mod noise_path;
 #[cfg(feature = "noise")]
 mod noise_wong_zakai;
+#[path = "../../../wzvi-macros/src/symbolic/tests/real.rs"]
+#[allow(unreachable_pub, reason = "another crate shares it")]
+mod real;
 mod special;

@@ -1,10 +1,6 @@
 //! Functions that `f64` does not have: values and derivatives against power series of many digits, bits in lanes.
 
-#[path = "../../../wzvi-macros/src/symbolic/tests/real.rs"]
-#[allow(unreachable_pub, reason = "another crate shares it")]
-mod real;
-
-use real::{Real, with_precision};
+use crate::real::{Real, with_precision};
 use wzvi_runtime::algebra::lanes::Lanes;
 use wzvi_runtime::algebra::scalar::{Dual, Rounded, Scalar, Special};
 
@@ -66,7 +62,7 @@ fn arguments() -> Vec<f64> {
         2.857143,
         3.8317059702075125,
     ];
-    list.extend([3.141592653589793, 4.493409457909064, 5.5, 8.0, 14.930917708487785, 26.0, 31.4, 57.0]);
+    list.extend([std::f64::consts::PI, 4.493409457909064, 5.5, 8.0, 14.930917708487785, 26.0, 31.4, 57.0]);
     for edge in [1e-8_f64, 1.5].into_iter().chain([1.0, 2.0, 3.0, 5.0, 8.0]) {
         list.extend([edge.next_down(), edge, edge.next_up(), 1.01 * edge]);
     }
@@ -164,8 +160,9 @@ fn lanes_and_single_numbers_have_the_same_bits() {
                 let near = Rounded { value: x, error: width }.special(function);
                 for shifted in [x - width, x + width].map(|x| function.value(x)) {
                     let excess = (shifted - near.value).abs();
+                    // Infinities and no numbers have no excess.
                     assert!(
-                        !(excess > near.error),
+                        excess <= near.error || excess.is_nan(),
                         "{function:?}({x:e} ± {width:e}): {excess:e} {:e}",
                         near.error
                     );
