@@ -68,6 +68,7 @@ const _: () = {
             has_windows: true,
             has_one_velocity: true,
             has_constant_curvature: true,
+            coupled_degrees: Some(1),
             ..Facts::autonomous(usize::MAX)
         };
         type Shape = Dynamic;
