@@ -89,7 +89,8 @@ impl BathError {
             5 => Self::Backwards { h: x },
             6 => Self::Rates,
             _ => {
-                let degree = usize::try_from(which.checked_sub(DEGREES)?).ok()?;
+                let degree = which.checked_sub(DEGREES).filter(|degree| *degree < MOST_DEGREES)?;
+                let degree = usize::try_from(degree).ok()?;
                 Self::Temperature { temperature: x, degree: Some(degree), t: timed(b) }
             }
         })
@@ -98,6 +99,8 @@ impl BathError {
 
 /// Where temperatures of degrees of freedom begin among the words.
 const DEGREES: u64 = 8;
+/// More degrees than any state has; greater words are other failures.
+const MOST_DEGREES: u64 = 1 << 48;
 
 /// Instead of the bits of a time.
 const UNTIMED: u64 = u64::MAX;
