@@ -16,6 +16,8 @@ mod brouwer;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod convergence;
 #[cfg(any(clippy, not(debug_assertions)))]
+mod heat_flux;
+#[cfg(any(clippy, not(debug_assertions)))]
 mod long_runs;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod multilevel;

@@ -159,7 +159,7 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// work](Trajectory::shadow_work).
     ///
     /// It is the `W` of Jarzynski's equality, `⟨e^{-W/kT}⟩ = e^{-ΔF/kT}`, which holds exactly at every step size with a
-    /// [bath](crate::scheme::bath). It is 0 for a system without bath, force, friction and explicit time in the drift.
+    /// [bath](crate::scheme::bath) at one constant temperature. It is 0 for a system without bath, force, friction and explicit time in the drift.
     pub fn work(&self) -> f64 {
         self.path.gained.map_or(0.0, |gained| gained - self.path.exchanged.heat)
     }
