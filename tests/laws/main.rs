@@ -2,6 +2,8 @@
 //!
 //! `cargo test --workspace --release --test laws` runs them; other builds say that they are skipped, and Clippy reads them.
 //!
+//! The feature `short` leaves out what takes longest, for `.ci/run`: statistics of series, rare events, several levels, and long runs.
+//!
 //! Ensembles ask for eight lanes: code for the lanes of every machine takes a seventh longer to compile, and has the same results.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
@@ -11,27 +13,27 @@
 mod bath;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod branches;
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod brouwer;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod convergence;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod heat_flux;
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod long_runs;
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod multilevel;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod noise;
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod orbits;
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod rare;
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod series_errors;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod stiff;
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod thermostats;
 
 #[cfg(debug_assertions)]
