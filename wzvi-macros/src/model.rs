@@ -164,7 +164,7 @@ pub(crate) struct Noise {
     pub(crate) is_force: bool,
 }
 
-/// What was added to a system in the sense of Ito, as text.
+/// The correction that the conversion added to a system in the sense of Ito, as text.
 pub(crate) struct Conversion {
     /// To the Hamiltonian of the drift.
     pub(crate) drift: Option<String>,
@@ -245,7 +245,7 @@ pub(crate) struct System {
     pub(crate) temperature: Option<Temperature>,
     /// Where `Ito` is written, if noises are in that sense.
     pub(crate) ito: Option<Extent>,
-    /// What makes it the system in the sense of Stratonovich.
+    /// The correction by which this system in the sense of Ito is one in the sense of Stratonovich.
     pub(crate) conversion: Option<Conversion>,
     pub(crate) invariants: Vec<Term>,
     /// Their names; empty for those without.
@@ -297,7 +297,7 @@ impl System {
         self.embeddings.iter().any(|known| known.value.is_thermostat())
     }
 
-    /// What is said of a force that reads momenta, where the conversion from Ito brought it.
+    /// The sentence on a force that reads momenta, if the conversion from Ito added this force.
     pub(crate) fn converted_force(&self) -> String {
         let conversion = self.conversion.as_ref().filter(|conversion| conversion.reads_momenta);
         let force = conversion.and_then(|conversion| conversion.force.as_ref());

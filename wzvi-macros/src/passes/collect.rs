@@ -173,7 +173,7 @@ impl Writer<'_> {
         branches: [Expr; 2],
         opened: &mut Opened,
     ) -> Vec<(Expr, Rational)> {
-        // What reads the same part of the state, branch by branch.
+        // Terms that read the same part of the state, branch by branch.
         let mut groups: Vec<(Reads, [Terms; 2])> = Vec::new();
         for (side, branch) in branches.into_iter().enumerate() {
             for term in self.split(branch, opened) {
@@ -224,7 +224,7 @@ impl Writer<'_> {
 /// Terms with their coefficients.
 type Terms = Vec<(Expr, Rational)>;
 
-/// What a number reads of the state.
+/// The reads of a number that does not depend on the state.
 const NOTHING: Reads = Reads { q: false, p: false };
 
 /// The state while an expression is split.

@@ -72,7 +72,7 @@ where
     /// Paths that fail, as those that escape, are no error unless all do: [`Ensemble::allow_losses`] sets another limit.
     ///
     /// # Errors
-    /// Those of [`Ensemble::run`]; [`ConfigError::Setting`] for settings without meaning here, as observables and statistics.
+    /// The errors of [`Ensemble::run`]; [`ConfigError::Setting`] for settings without meaning here, as observables and statistics.
     pub fn indicators(self) -> Result<ChaosMap<H::Vector>, Error> {
         MapDeviations { ensemble: self, given: None }.indicators()
     }
@@ -95,7 +95,7 @@ where
     /// As [`Ensemble::indicators`].
     ///
     /// # Errors
-    /// Those of [`Ensemble::indicators`], and [`ConfigError::Setting`] for deviations that are dependent, or not two.
+    /// The errors of [`Ensemble::indicators`], and [`ConfigError::Setting`] for deviations that are dependent, or not two.
     pub fn indicators(self) -> Result<ChaosMap<H::Vector>, Error> {
         let Self { ensemble: Ensemble { setup, .. }, given } = self;
         refuse_unused(&setup)?;

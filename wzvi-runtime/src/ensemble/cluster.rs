@@ -62,7 +62,7 @@ where
     /// its blocks, and the run ends without it; rank 0 reports that in a line on standard error.
     ///
     /// # Errors
-    /// Those of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the
+    /// The errors of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the
     /// processes of all.
     pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error>
     where

@@ -148,7 +148,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// Starts paths `path ..`, as many as there are before `end`.
     ///
     /// # Errors
-    /// Those of a system that cannot be prepared.
+    /// The errors of a system that cannot be prepared.
     pub(super) fn begin(&mut self, path: u64, end: u64) -> Result<(), Error> {
         self.path = path;
         for (lane, counts) in self.counts.iter_mut().enumerate() {
@@ -174,7 +174,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// From this step on, steps have this size, and know nothing of those before.
     ///
     /// # Errors
-    /// Those of a system that cannot be prepared.
+    /// The errors of a system that cannot be prepared.
     fn begin_anew(
         &mut self,
         step: u64,
@@ -212,7 +212,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// The last step is next, and is shorter than the others: all lanes take it together. It is none of the steps that watches compare.
     ///
     /// # Errors
-    /// Those of a system that cannot be prepared, and of a noise that has no increments.
+    /// The errors of a system that cannot be prepared, and of a noise that has no increments.
     #[cold]
     #[inline(never)]
     fn begin_last(&mut self, step: u64, size: f64) -> Result<(), Error> {
@@ -234,7 +234,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// Work, shadow work and heat of a lane, up to a node that all have reached.
     ///
     /// # Errors
-    /// That of a start that is none; [`InternalError`] if the lane has no stepper, which accounts for the heat.
+    /// The error of a start that is none; [`InternalError`] if the lane has no stepper, which accounts for the heat.
     pub(super) fn work_of(&mut self, lane: usize, node: u64) -> Result<[f64; 3], Error> {
         let path = self.source_of(lane);
         let (system, start) = (self.job.system_of(path), self.job.start_of(path)?);
@@ -247,7 +247,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     }
 
     /// # Errors
-    /// That of a start that is none.
+    /// The error of a start that is none.
     fn put_starts(&mut self) -> Result<(), ConfigError> {
         let job = self.job;
         let (lists, states) = if self.is_stepped() { (0, L) } else { (job.start.q.components().len(), 1) };
@@ -313,7 +313,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// Draws the increments of a step.
     ///
     /// # Errors
-    /// That of a noise that has none.
+    /// The error of a noise that has none.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn draw(&mut self, step: u64) -> Result<(), Error> {
         let interval = Interval { step, ..self.job.grid.first() };

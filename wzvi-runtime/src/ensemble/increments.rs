@@ -122,7 +122,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// Draws the increments of a step, of those lanes that want any; steps are drawn in order.
     ///
     /// # Errors
-    /// That of a noise that has none.
+    /// The error of a noise that has none.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn draw(
         &mut self,
@@ -161,7 +161,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// Draws the increments of a last step that is shorter, of size `h` from the start of `interval` on, of those lanes that want any.
     ///
     /// # Errors
-    /// That of a noise that has none.
+    /// The error of a noise that has none.
     pub(super) fn draw_last(
         &mut self,
         source: &Source<'_>,

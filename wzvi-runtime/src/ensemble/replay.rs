@@ -32,7 +32,7 @@ where
     /// drive any other run.
     ///
     /// # Errors
-    /// Those of [`Ensemble::run`] that show before the first step, and [`ConfigError::Setting`](crate::error::ConfigError::Setting) for a path that
+    /// The errors of [`Ensemble::run`] that show before the first step, and [`ConfigError::Setting`](crate::error::ConfigError::Setting) for a path that
     /// the ensemble does not have.
     pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error>
     where

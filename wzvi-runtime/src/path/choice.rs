@@ -53,7 +53,7 @@ impl<T> Choice<T> {
     /// The value, if one method has set it.
     ///
     /// # Errors
-    /// Those of [`Choice::check`].
+    /// The errors of [`Choice::check`].
     pub(crate) fn checked(self, rule: &str) -> Result<Option<T>, ConfigError> {
         self.check(rule)?;
         Ok(self.value)

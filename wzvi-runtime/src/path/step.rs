@@ -170,7 +170,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E, Plain> {
     /// For one of many paths, which have the threads already, with plain sums; whether it accounts for what forces and bath do.
     ///
     /// # Errors
-    /// Those of [`Stepper::new`].
+    /// The errors of [`Stepper::new`].
     pub(crate) fn beside_others(system: &'a H, h: f64, accounts: bool) -> Result<Self, ConfigError> {
         let stepper = Stepper::<H, E>::new(system, h)?.plain().sharing(Threads::Caller);
         Ok(Self { is_unaccounted: !accounts, ..stepper })
@@ -291,7 +291,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// As [`Stepper::step`]; `dense` receives the path between the two nodes ([`crate::scheme::dense`]). Allocates nothing after the first step.
     ///
     /// # Errors
-    /// Those of [`Stepper::step`]; `dense` is then unchanged, too.
+    /// The errors of [`Stepper::step`]; `dense` is then unchanged, too.
     pub fn step_densely(
         &mut self,
         state: &mut State<H::Vector>,
@@ -488,7 +488,7 @@ pub(crate) const fn checks_starts<H: Discretized<E>, E>() -> bool {
 /// The data that do not change from step to step, if the system is valid.
 ///
 /// # Errors
-/// Those of the system, with the name of a parameter that is no number.
+/// The errors of the system, with the name of a parameter that is no number.
 pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<PreparedOf<H, E>, ConfigError> {
     match system.validate().and_then(|()| SchemeOf::<H, E>::prepare(system, &as_they_are, h)) {
         Err(ConfigError::Parameter) => Err(mistaken_parameter(system)

@@ -91,7 +91,7 @@ impl Figure {
     /// where the axes are equal.
     ///
     /// # Errors
-    /// Those of [`Sheet::write`].
+    /// The errors of [`Sheet::write`].
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), PlotError> {
         let height = if self.has_equal_axes { 1280 } else { 880 };
         Sheet::new(1, (1280, height)).with(self.clone()).write(path)

@@ -44,7 +44,7 @@ impl StatisticsPlot<'_> {
     /// The density of an observable by its first histogram, at the last six recorded times after the start.
     ///
     /// # Errors
-    /// Those of [`Statistics::histogram`].
+    /// The errors of [`Statistics::histogram`].
     pub fn histogram(&self, name: &str) -> Result<Figure, StatisticsError> {
         let position = self.statistics.histogram_position(name)?;
         let nodes = self.statistics.nodes();

@@ -16,7 +16,7 @@ impl Table {
     /// A Parquet file with one group of rows.
     ///
     /// # Errors
-    /// Those of `to`.
+    /// The errors of `to`.
     pub fn write_parquet(&self, to: &mut (impl Write + Send)) -> io::Result<()> {
         self.write_groups(std::iter::empty(), to).map_err(io::Error::other)
     }

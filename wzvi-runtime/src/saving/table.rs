@@ -65,7 +65,7 @@ impl Table {
     /// `NaN`, `inf` and `-inf`.
     ///
     /// # Errors
-    /// Those of `to`.
+    /// The errors of `to`.
     pub fn write_csv(&self, to: &mut impl Write) -> io::Result<()> {
         self.write_csv_names(to)?;
         self.write_csv_rows(to)
@@ -138,7 +138,7 @@ impl Table {
     /// `[{"column":entry, ...}, ...]`, a line for each row, with numbers as in [`Table::write_csv`]; JSON has `null` for undefined and infinite ones.
     ///
     /// # Errors
-    /// Those of `to`.
+    /// The errors of `to`.
     pub fn write_json_records(&self, to: &mut impl Write) -> io::Result<()> {
         let names: Vec<String> = self.columns.iter().map(|(name, _)| escaped(name)).collect();
         for row in 0..self.rows() {

@@ -291,7 +291,7 @@ impl AddAssign for Exchange {
 /// Checks that there are as many momenta as coordinates and, in full unless a state with as many `was_checked`, that the system has as many.
 ///
 /// # Errors
-/// Those of [`Hamiltonian::check`]
+/// The errors of [`Hamiltonian::check`]
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn check_state(
     system: &impl Hamiltonian,
@@ -308,7 +308,7 @@ pub(crate) fn check_state(
 /// The same, and that there is one increment per noise.
 ///
 /// # Errors
-/// Those of [`check_state`], [`StepFailure::Increments`]
+/// The errors of [`check_state`], [`StepFailure::Increments`]
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn check_lengths(
     system: &impl Hamiltonian,

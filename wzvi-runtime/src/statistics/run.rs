@@ -200,7 +200,7 @@ impl Statistics {
     /// Its variance, as [`StatisticsNode::variance`].
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`].
+    /// The errors of [`Statistics::mean`].
     pub fn variance(&self, name: &str) -> Result<f64, StatisticsError> {
         self.at_end(name, StatisticsNode::variance)
     }
@@ -208,7 +208,7 @@ impl Statistics {
     /// The standard error of its mean, as [`StatisticsNode::standard_error`].
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`].
+    /// The errors of [`Statistics::mean`].
     pub fn standard_error(&self, name: &str) -> Result<f64, StatisticsError> {
         self.at_end(name, StatisticsNode::standard_error)
     }
@@ -216,7 +216,7 @@ impl Statistics {
     /// An upper estimate of it, as [`StatisticsNode::error_bound`].
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`].
+    /// The errors of [`Statistics::mean`].
     pub fn error_bound(&self, name: &str) -> Result<f64, StatisticsError> {
         self.at_end(name, StatisticsNode::error_bound)
     }
@@ -224,7 +224,7 @@ impl Statistics {
     /// The covariance of two observables at the end, as [`StatisticsNode::covariance`].
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was set to omit covariances.
+    /// The errors of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was set to omit covariances.
     pub fn covariance(&self, a: &str, b: &str) -> Result<f64, StatisticsError> {
         let (a, b) = (self.known(a)?, self.known(b)?);
         match self.nodes().last() {
@@ -236,7 +236,7 @@ impl Statistics {
     /// The quantile of an observable at the end, as [`Quantiles::at`](super::quantiles::Quantiles::at).
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`], [`StatisticsError::NotComputed`] if quantiles were not requested, and [`StatisticsError::Fraction`] unless
+    /// The errors of [`Statistics::mean`], [`StatisticsError::NotComputed`] if quantiles were not requested, and [`StatisticsError::Fraction`] unless
     /// the fraction is a number from 0 to 1.
     pub fn quantile(&self, name: &str, fraction: f64) -> Result<f64, StatisticsError> {
         if !(0.0..=1.0).contains(&fraction) {
@@ -255,7 +255,7 @@ impl Statistics {
     /// The first histogram of an observable at the end.
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was requested.
+    /// The errors of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was requested.
     pub fn histogram(&self, name: &str) -> Result<&Histogram, StatisticsError> {
         let position = self.histogram_position(name)?;
         self.nodes().last().and_then(|end| end.histograms().get(position)).ok_or(NO_HISTOGRAM)
@@ -313,7 +313,7 @@ impl Statistics {
     /// Whether an observable has met its target.
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was requested.
+    /// The errors of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was requested.
     pub fn target(&self, name: &str) -> Result<TargetStatus, StatisticsError> {
         let observable = self.known(name)?;
         // Of several targets for one observable, the first that was not met.

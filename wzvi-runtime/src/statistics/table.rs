@@ -43,7 +43,7 @@ impl Statistics {
     /// `run.parquet` says that the set is complete, as `run.csv` does ([`Statistics::write_csv`]).
     ///
     /// # Errors
-    /// Those of [`Statistics::write_csv`].
+    /// The errors of [`Statistics::write_csv`].
     #[cfg(feature = "columnar")]
     pub fn write_parquet(&self, folder: impl AsRef<Path>) -> Result<(), FileError> {
         self.write_tables(folder.as_ref(), "parquet", |first, rest, file| {

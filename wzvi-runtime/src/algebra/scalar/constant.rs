@@ -21,7 +21,7 @@ pub trait Constant: Over<Self> + Scalar<Mask: Send + Sync> + Send + Sync {
     /// Factors a matrix, given by rows.
     ///
     /// # Errors
-    /// Those of [`Factor::new`].
+    /// The errors of [`Factor::new`].
     fn factor<const N: usize>(matrix: [[Self; N]; N]) -> Result<Self::Factor<N>, StepFailure>;
 
     /// As a constant of numbers with one more derivative.

@@ -24,7 +24,7 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
     /// See [`Scalar::newton`].
     ///
     /// # Errors
-    /// Those of [`Scalar::newton`].
+    /// The errors of [`Scalar::newton`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn newton<S: Over<K>, K: Constant, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         given: Inputs<S, K, G, M, C, T>,

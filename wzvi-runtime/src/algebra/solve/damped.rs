@@ -250,7 +250,7 @@ impl<P: Problem> Search<'_, P> {
     /// Makes factors.
     ///
     /// # Errors
-    /// Those of [`Problem::factor`]; [`StepFailure::NonFinite`] where entries are left out, which only directed corrections allow for.
+    /// The errors of [`Problem::factor`]; [`StepFailure::NonFinite`] where entries are left out, which only directed corrections allow for.
     fn factor(&mut self) -> Result<(), StepFailure> {
         let left_out = self.problem.factor()?;
         self.has_contacts |= left_out > 0;

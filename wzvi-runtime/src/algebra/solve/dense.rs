@@ -39,7 +39,7 @@ fn unusable(pivot: f64) -> StepFailure {
 /// See [`Scalar::linear`].
 ///
 /// # Errors
-/// Those of [`Factor::new`].
+/// The errors of [`Factor::new`].
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn linear<S: Scalar, const N: usize>(
     matrix: [[S; N]; N],

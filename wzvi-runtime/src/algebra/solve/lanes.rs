@@ -367,7 +367,7 @@ pub(crate) fn usable<const L: usize>(pivot: Lanes<L>) -> Lanes<L> {
 /// Every lane by itself; the careful method, and a single lane, use the code for one number.
 ///
 /// # Errors
-/// Those of the careful method, and of a single lane; other lanes have NaN.
+/// The errors of the careful method, and of a single lane; other lanes have NaN.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn newton<
     const L: usize,

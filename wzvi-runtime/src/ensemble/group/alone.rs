@@ -42,7 +42,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     /// The step of one path again, in halves, if that is allowed; the path fails if it is not, or does not help.
     ///
     /// # Errors
-    /// That of a noise that has no increments.
+    /// The error of a noise that has no increments.
     pub(super) fn halve_or_fail(
         &mut self,
         lane: usize,
@@ -174,7 +174,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     /// enough where it had nothing to go by.
     ///
     /// # Errors
-    /// That of a noise that has no increments.
+    /// The error of a noise that has no increments.
     #[cold]
     #[inline(never)]
     pub(super) fn check_starts(&mut self, step: u64) -> Result<(), Error> {

@@ -15,7 +15,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
     /// Shows the step of a lane that led from `before` to this node, part by part if it was halved.
     ///
     /// # Errors
-    /// Those of steps that have been taken before, and of a noise that had increments for them: never.
+    /// The errors of steps that have been taken before, and of a noise that had increments for them: never.
     pub(in crate::ensemble) fn look_inside(
         &mut self,
         lane: usize,

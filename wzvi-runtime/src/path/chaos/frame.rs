@@ -49,7 +49,7 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
     /// Of a run in steps of size `h`.
     ///
     /// # Errors
-    /// Those of what is prepared of a system.
+    /// The errors of what is prepared of a system.
     pub(super) fn new(
         system: &'a H,
         h: f64,

@@ -147,7 +147,7 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::tangent`]. A run without steps is refused.
+    /// The errors of [`Simulation::tangent`]. A run without steps is refused.
     pub fn indicators(self) -> Result<Indicators, Error> {
         self.generic().indicators()
     }
@@ -162,7 +162,7 @@ where
     /// As [`Simulation::indicators`]; of given deviations it takes all, and needs two.
     ///
     /// # Errors
-    /// Those of [`Simulation::indicators`].
+    /// The errors of [`Simulation::indicators`].
     pub fn indicators(mut self) -> Result<Indicators, Error> {
         let stride = self.take_stride();
         let Self { run, given, .. } = self;

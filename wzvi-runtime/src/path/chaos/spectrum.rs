@@ -119,7 +119,7 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::tangent`]; of copies, too. A run without steps, and deviations that are dependent, are refused.
+    /// The errors of [`Simulation::tangent`]; of copies, too. A run without steps, and deviations that are dependent, are refused.
     pub fn lyapunov(self) -> Result<Spectrum, Error> {
         self.generic().lyapunov()
     }
@@ -127,7 +127,7 @@ where
     /// The `largest` ones alone, at the cost of as many deviations.
     ///
     /// # Errors
-    /// Those of [`Simulation::lyapunov`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting) for none, or for more than there are.
+    /// The errors of [`Simulation::lyapunov`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting) for none, or for more than there are.
     pub fn lyapunov_of(self, largest: usize) -> Result<Spectrum, Error> {
         self.generic().lyapunov_of(largest)
     }
@@ -142,7 +142,7 @@ where
     /// As [`Simulation::lyapunov`]; of given deviations as many exponents as there are.
     ///
     /// # Errors
-    /// Those of [`Simulation::lyapunov`].
+    /// The errors of [`Simulation::lyapunov`].
     pub fn lyapunov(self) -> Result<Spectrum, Error> {
         let number = self.given.as_ref().map(Vec::len);
         self.exponents(number)
@@ -151,7 +151,7 @@ where
     /// As [`Simulation::lyapunov_of`]; of more given deviations it takes the first.
     ///
     /// # Errors
-    /// Those of [`Simulation::lyapunov_of`].
+    /// The errors of [`Simulation::lyapunov_of`].
     pub fn lyapunov_of(self, largest: usize) -> Result<Spectrum, Error> {
         self.exponents(Some(largest))
     }

@@ -165,7 +165,7 @@ where
     /// Runs the path.
     ///
     /// # Errors
-    /// Those of [`Simulation::run`]; [`Error::Name`] for the target of an unknown observable, [`Error::Config`] for targets that are not positive, for a time to
+    /// The errors of [`Simulation::run`]; [`Error::Name`] for the target of an unknown observable, [`Error::Config`] for targets that are not positive, for a time to
     /// discard that is negative or not finite, and for settings without meaning here: times, sections, observers. `Error::Checkpoint` for a checkpoint that cannot be written or resumed.
     pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
         let Self { simulation, discarded, targets, stop } = self;

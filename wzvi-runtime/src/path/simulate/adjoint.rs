@@ -67,7 +67,7 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::tangent`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting) where steps are not symplectic: with forces,
+    /// The errors of [`Simulation::tangent`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting) where steps are not symplectic: with forces,
     /// friction or a bath, for schemes of the program, and where `T` is not the adjoint of `E`.
     /// [`StepFailure::OtherSolution`] where the step of `T` backwards does not end where the step began, [`DerivativeError`] where the gradient is
     /// out of the range of `f64`.

@@ -116,7 +116,7 @@ impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
     /// Prepares one more run: its steps know nothing of those before.
     ///
     /// # Errors
-    /// Those of the first run.
+    /// The errors of the first run.
     pub(crate) fn begin_again(&mut self) -> Result<(), Error> {
         self.whole = self.whole.anew()?;
         Ok(())
@@ -130,7 +130,7 @@ impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
     /// Goes to another path of the noise, so many further on; false where it has one path only.
     ///
     /// # Errors
-    /// Those of a noise that cannot serve the run.
+    /// The errors of a noise that cannot serve the run.
     pub(crate) fn skip_paths(&mut self, paths: u64) -> Result<bool, Error> {
         if !self.noise.as_mut().is_some_and(|noise| noise.skip_paths(paths)) {
             return Ok(false);

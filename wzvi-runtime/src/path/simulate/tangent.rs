@@ -89,7 +89,7 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::run`]; [`ConfigError::Setting`] for settings without meaning here: observables, sections, recorded nodes, a checkpoint,
+    /// The errors of [`Simulation::run`]; [`ConfigError::Setting`] for settings without meaning here: observables, sections, recorded nodes, a checkpoint,
     /// and what would stop the run. [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do not do that, end
     /// elsewhere. [`DerivativeError`] where the derivatives by one variable of the start are out of the range of `f64`, as after a long run with
     /// friction or of a chaotic system: it has the logarithm of their size.
@@ -116,7 +116,7 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is not a parameter (an integer has no derivative), and for
+    /// The errors of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is not a parameter (an integer has no derivative), and for
     /// entries of lists in steps that are not in straight lines.
     pub fn tangent_by(self, parameters: &[&str]) -> Result<Tangent<H::Vector>, Error> {
         self.varied(Some(parameters))
@@ -303,7 +303,7 @@ where
     /// [`Columns::vary`] with what other columns have found of the same step.
     ///
     /// # Errors
-    /// Those of [`Columns::vary`].
+    /// The errors of [`Columns::vary`].
     pub(crate) fn vary_sharing(
         &mut self,
         shared: &mut SharedStep<H, E, N>,

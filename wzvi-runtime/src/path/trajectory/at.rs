@@ -34,7 +34,7 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// ```
     ///
     /// # Errors
-    /// Those of [`States::state`].
+    /// The errors of [`States::state`].
     pub fn state_at<H: Discretized<E, Vector = V>>(&self, system: &H, t: f64) -> Result<State<V>, Error> {
         self.at(system).state(t)
     }
@@ -121,7 +121,7 @@ impl<H: Discretized<E>, E, N: Noise> States<'_, H, E, N> {
     /// The noise inside of a step of this size from the recorded state `index` on; none of a system without noise.
     ///
     /// # Errors
-    /// Those of [`States::state`].
+    /// The errors of [`States::state`].
     fn inside(
         &mut self,
         index: usize,

@@ -260,7 +260,7 @@ impl<S: Scalar> Momenta<'_, S> {
     /// heat.
     ///
     /// # Errors
-    /// Those of the `constants` `E`, `R / √h` and `M⁻¹`.
+    /// The errors of the `constants` `E`, `R / √h` and `M⁻¹`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn relax<C: Carry<S>, D: Copy, V: Copy, K: Copy + Mul<Output = K> + Mul<f64, Output = K>>(
         &mut self,

@@ -34,7 +34,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns with their derivatives; leaves `u` and `P`.
     ///
     /// # Errors
-    /// Those of the step; [`StepFailure::NonFinite`] where second derivatives at its solution are not finite.
+    /// The errors of the step; [`StepFailure::NonFinite`] where second derivatives at its solution are not finite.
     #[inline(never)]
     pub(super) fn differentiate<const CAREFUL: bool>(
         self,

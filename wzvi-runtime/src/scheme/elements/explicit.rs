@@ -119,7 +119,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// The same where stages have weights in `D_1 L_d`.
+    /// The kick where stages have weights in `D_1 L_d`.
     #[inline(never)]
     fn kick_between_nodes(&self, lists: &mut Lists<'_, S>) {
         let Lists { momentum, stages, u: v, by_p, columns, .. } = lists;

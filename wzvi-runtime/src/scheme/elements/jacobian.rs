@@ -94,7 +94,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// [`Step::factor`] without the rows that are held and without entries that are not finite; returns the number of the latter.
     ///
     /// # Errors
-    /// Those of [`Step::factor`].
+    /// The errors of [`Step::factor`].
     pub(super) fn factor_with_care(
         &self,
         lists: &Lists<'_, S>,

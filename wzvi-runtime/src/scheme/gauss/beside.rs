@@ -164,7 +164,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// Solves for the stages and the new states of paths in lanes.
     ///
     /// # Errors
-    /// That of a path that is solved alone.
+    /// The error of a path that is solved alone.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn solve_beside(
         &self,
@@ -199,7 +199,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// Solves for the stages of one path, and for the derivatives that its numbers carry: first for the values alone, then by one factorisation.
     ///
     /// # Errors
-    /// Those of the step, and of [`Step::differentiate_stages`].
+    /// The errors of the step, and of [`Step::differentiate_stages`].
     #[inline(never)]
     fn differentiate<const CAREFUL: bool>(
         &self,
@@ -253,7 +253,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// One path, with its stages in lanes.
     ///
     /// # Errors
-    /// Those of its step.
+    /// The errors of its step.
     #[cold]
     #[inline(never)]
     fn alone(

@@ -94,7 +94,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// Newton's method from the current stages, with those of `left` as the waits of the next step.
     ///
     /// # Errors
-    /// Those of [`damped`]; unless `CAREFUL`, also if another solution may be nearer to the start.
+    /// The errors of [`damped`]; unless `CAREFUL`, also if another solution may be nearer to the start.
     #[cold]
     #[inline(never)]
     pub(super) fn newton<const CAREFUL: bool>(

@@ -10,7 +10,7 @@ use crate::scheme::plan::Solver;
 /// [`Scheme::advance`] with plain sums, and with care if the fast solver fails.
 ///
 /// # Errors
-/// Those of [`Scheme::advance`]; the state and `memory` are then unchanged.
+/// The errors of [`Scheme::advance`]; the state and `memory` are then unchanged.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
     system: &H,

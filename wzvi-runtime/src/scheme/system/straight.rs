@@ -108,7 +108,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     /// Checks that all paths in lanes have `taken` the step.
     ///
     /// # Errors
-    /// Those of the paths that have not.
+    /// The errors of the paths that have not.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn ensure_taken(&self, taken: S::Mask) -> Result<(), StepFailure> {
         if taken.all() { Ok(()) } else { Err(StepFailure::but_of::<S>(taken)) }

@@ -44,7 +44,7 @@ impl<H: Elements + Sync> Step<'_, H, f64> {
     /// The same with compensated sums, after steps that lost so much of coordinates and momenta. The velocities are those of the new momenta.
     ///
     /// # Errors
-    /// Those of [`Step::advance_windows`].
+    /// The errors of [`Step::advance_windows`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn advance_compensated<'p>(
         self,
