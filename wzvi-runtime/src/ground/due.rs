@@ -44,7 +44,7 @@ impl Due {
         self.next
     }
 
-    /// Whether it is due at `node`.
+    /// Whether the work is due at `node`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn is_due(&mut self, node: u64) -> bool {
         node >= self.next && self.consider(node)

@@ -36,7 +36,7 @@ pub struct Handle(Arc<Shared>);
 #[derive(Default)]
 pub(super) struct Shared {
     pub(super) is_stopped: AtomicBool,
-    /// Whether Ctrl-C stops it.
+    /// Whether Ctrl-C stops the runs.
     hears_interrupt: AtomicBool,
     done: AtomicU64,
     all: AtomicU64,
@@ -77,7 +77,7 @@ impl Handle {
         self.0.is_stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Whether its runs were stopped.
+    /// Whether the runs of the handle were stopped.
     pub fn is_stopped(&self) -> bool {
         self.0.is_stopped.load(Ordering::Relaxed)
     }

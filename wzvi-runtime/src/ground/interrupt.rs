@@ -8,14 +8,14 @@ use super::handle::Shared;
 static WATCHED: Mutex<Vec<Weak<Shared>>> = Mutex::new(Vec::new());
 static HANDLER: Once = Once::new();
 
-/// Ctrl-C while this lives stops it.
+/// Ctrl-C stops the runs of a handle as long as the handle lives.
 pub(super) fn watch(handle: &Arc<Shared>) {
     // A program with a handler of its own keeps it.
     HANDLER.call_once(|| drop(ctrlc::try_set_handler(on_interrupt)));
     WATCHED.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::downgrade(handle));
 }
 
-/// A second one, or one that nobody waits for, ends the program.
+/// A second Ctrl-C, or one that no run waits for, ends the program.
 fn on_interrupt() {
     let mut watched = WATCHED.lock().unwrap_or_else(PoisonError::into_inner);
     watched.retain(|handle| handle.strong_count() > 0);

@@ -26,7 +26,7 @@ fn without_modules(name: &str) -> String {
     short + &word
 }
 
-/// This name, or a longer one if another thing has it.
+/// The name itself, or a longer one if it is taken.
 pub(crate) fn free<'k>(name: &str, known: impl Iterator<Item = &'k str> + Clone) -> String {
     let mut free = name.to_owned();
     while known.clone().any(|known| known == free) {

@@ -31,7 +31,7 @@ impl Numbers for u64 {
     }
 }
 
-/// Its length, and eight of its bytes in each word.
+/// The length of the text, then eight of its bytes in each word.
 impl Numbers for String {
     fn pass(&mut self, tape: &mut Tape) {
         let mut bytes = std::mem::take(self).into_bytes();
@@ -112,7 +112,7 @@ for_tuples!(tuples);
 #[derive(Debug)]
 pub struct Tape {
     way: Way,
-    /// The one lane of what is passed that it records, as that lane would be recorded alone, or replaces.
+    /// If set, only this lane is recorded, as it would be alone, or replaced.
     lane: Option<usize>,
 }
 
@@ -203,7 +203,7 @@ impl Tape {
         self.words_of_lanes(counts, |count| u64::from(*count), |word| u8::try_from(word).ok());
     }
 
-    /// Takes down or replaces something of each lane that is a word.
+    /// Records or replaces one word of each lane.
     fn words_of_lanes<T>(
         &mut self,
         list: &mut [T],
@@ -263,12 +263,12 @@ impl Tape {
         read.unwrap_or(0)
     }
 
-    /// Whether it replaces what is passed.
+    /// Whether the tape replaces what is passed.
     pub fn is_reading(&self) -> bool {
         matches!(self.way, Way::Reading { .. })
     }
 
-    /// Whether it replaces what is passed in all lanes.
+    /// Whether the tape replaces what is passed in all lanes.
     pub(crate) fn replaces_all(&self) -> bool {
         self.is_reading() && self.lane.is_none()
     }
@@ -369,7 +369,7 @@ mod tests {
     fn entries_without_words_come_back() {
         assert_eq!(copied(vec![(); 3], vec![]).len(), 3);
         assert_eq!(copied((vec![(); 15], vec![vec![(); 2]; 2]), Default::default()).1, [[(); 2]; 2]);
-        // More of them than the file has words.
+        // A list that is longer than the file.
         for words in [vec![u64::MAX], vec![4, 0, 0, 0], vec![1, 7]] {
             assert_eq!(Tape::read(words, |tape| vec![(); 0].pass(tape)), None);
         }
@@ -394,7 +394,7 @@ mod tests {
         assert_eq!(Tape::read(vec![], Tape::refuse), None);
     }
 
-    /// Lanes come apart and together again if what they count is the same.
+    /// Lanes are split and joined again if they count the same.
     #[cfg(feature = "ensemble")]
     #[test]
     fn lanes_split_and_join() {
@@ -414,7 +414,7 @@ mod tests {
         let mut joined = Extrapolation::<Lanes<3>, 1>::default();
         assert_eq!(Tape::join(apart(), |tape| joined.pass(tape)), Some(()));
         assert_eq!(words(&mut joined), words(&mut together));
-        // One lane knows fewer steps, and goes on as it would alone.
+        // One lane has recorded fewer steps, and goes on as it would alone.
         let mut fresh = Extrapolation::<Lanes<1>, 1>::default();
         assert_eq!(Tape::place(1, words(&mut fresh), |tape| joined.pass(tape)), Some(()));
         for x in [3.0, 1.0, -0.5] {

@@ -19,7 +19,7 @@ pub(crate) struct ProgressLine {
     handle: Option<Handle>,
     /// When the handle's function was called.
     reported: Option<Instant>,
-    /// `None` where nobody looks, or where there is no clock.
+    /// `None` without a terminal or without a clock.
     watch: Option<Watch>,
     is_shown: bool,
 }
@@ -59,12 +59,12 @@ impl ProgressLine {
         if self.handle.as_ref().is_some_and(Handle::hears_interrupt) {
             line += " (Ctrl-C stops and keeps what is done)";
         }
-        // Who cannot write to the terminal cannot say so there either.
+        // An error of the terminal cannot be reported on the terminal.
         let _ = write!(stderr(), "\r\x1b[K{line}").and_then(|()| stderr().flush());
     }
 }
 
-/// How far a single path is, and whether it is to stop. Where nobody looks or asks, it is never due.
+/// How far a single path is, and whether it is to stop. Without a terminal and a handle it is never due.
 pub(crate) struct StepsShown<'k> {
     line: Option<(ProgressLine, Due)>,
     stop: Option<&'k dyn Fn() -> bool>,

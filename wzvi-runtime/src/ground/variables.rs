@@ -5,11 +5,11 @@ use std::fmt::Write as _;
 /// The names of a phase space, as the closure of the drift has them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variables {
-    /// Of the coordinates.
+    /// Names of the coordinates.
     pub q: Labels,
-    /// Of the momenta.
+    /// Names of the momenta.
     pub p: Labels,
-    /// Of time.
+    /// The name of time.
     pub t: &'static str,
     /// The names of the first integrals, in the order of `invariant`; empty for one without a name, and no entries where none has one.
     pub invariants: &'static [&'static str],

@@ -100,16 +100,16 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Of an empty interval.
+    /// The increment over an empty interval.
     pub(super) const EMPTY: Self = Self { w: 0.0, integral: 0.0, length: 0.0 };
 
-    /// Of one interval of the tree.
+    /// The increment over one interval of the tree.
     #[inline]
     pub(super) fn of(node: BridgeInterval, length: f64) -> Self {
         Self { w: node.w, integral: node.area + 0.5 * length * node.w, length }
     }
 
-    /// Of the union with the interval that follows.
+    /// The increment over this interval and the one that follows.
     #[inline]
     pub(super) fn then(self, next: Self) -> Self {
         Self {
@@ -119,7 +119,7 @@ impl Span {
         }
     }
 
-    /// Of the same interval with time running backwards.
+    /// The increment over the same interval with time running backwards.
     #[inline]
     pub(super) fn mirrored(self) -> Self {
         Self { w: -self.w, integral: self.integral - self.length * self.w, length: self.length }

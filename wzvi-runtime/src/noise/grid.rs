@@ -34,7 +34,7 @@ pub(super) fn resolution(t: f64) -> f64 {
 /// A time on the grids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct GridTime {
-    /// Whether it is a negative time.
+    /// Whether the time is negative.
     pub(super) negative: bool,
     /// 0 for [0, 1), k for [2^(k-1), 2^k).
     pub(super) octave: u8,
@@ -166,11 +166,11 @@ pub(super) struct Branch {
     pub(super) middle: u8,
     /// Index of the left part, the right part comes next; 0 for a cell.
     pub(super) left: u8,
-    /// Which pair of normals cuts it.
+    /// The number of the pair of normals that cuts the interval.
     pub(super) pair: u8,
     /// Length relative to the page.
     pub(super) part: f64,
-    /// How it is cut.
+    /// The cut of the interval.
     pub(super) cut: Cut,
 }
 
@@ -226,7 +226,7 @@ pub(super) enum Parting {
 }
 
 impl Parting {
-    /// Of two different points.
+    /// The cut between two different points.
     pub(super) fn new(p: &GridTime, q: &GridTime) -> Self {
         if p.octave != q.octave {
             return Self::Octaves;

@@ -70,17 +70,17 @@ struct Numbered {
 }
 
 impl Numbered {
-    /// Of no run: no time equals NaN.
+    /// A number without a run: no time equals NaN.
     const NOTHING: Self = Self { start: f64::NAN, h: f64::NAN, first: 0 };
 }
 
-/// The block of a step, and its place there.
+/// The block of a step, and the place of the step in the block.
 pub(crate) fn place(step: i64) -> (u64, usize) {
     let steps = STEPS as i64;
     (step.div_euclid(steps).cast_unsigned(), step.rem_euclid(steps) as usize)
 }
 
-/// The same of a step of size `h` that starts at `t`.
+/// The block and the place of a step of size `h` that starts at `t`.
 ///
 /// # Errors
 /// [`NoiseError::Time`]
@@ -153,7 +153,7 @@ pub struct StepNormals {
     truncates: bool,
     /// The step size of the run, once it is known: shorter steps are its halves.
     h: Option<f64>,
-    /// The run that was asked for last.
+    /// The run of the last request.
     numbered: Numbered,
     /// The last block of each process.
     drawn: Vec<Drawn>,
@@ -169,7 +169,7 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// Of no step: none has the size 0.
+    /// An empty cache entry: no step has the size 0.
     const NOTHING: Self = Self { block: 0, h: 0, normals: [0.0; STEPS] };
 }
 
@@ -217,7 +217,7 @@ impl StepNormals {
         self
     }
 
-    /// Of a level of a multilevel run.
+    /// The normals of one level of a multilevel run.
     pub(crate) fn on_level(mut self, level: u32) -> Self {
         self.level = level;
         self.drawn.clear();
@@ -257,7 +257,7 @@ impl StepNormals {
         Ok(self.numbered.first)
     }
 
-    /// The number of the first step of the run that this is prepared for.
+    /// The number of the first step of the prepared run.
     pub(crate) fn first(&self) -> i64 {
         self.numbered.first
     }
@@ -360,7 +360,7 @@ impl Noise for StepNormals {
         Ok(())
     }
 
-    /// Those of a step of that size, as for any other step size.
+    /// A part has the increments of a step of its size, as for any other step size.
     fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(h)?;
         self.truncation.check()?;
@@ -457,7 +457,7 @@ mod tests {
         assert_eq!(ask(&mut noise, 0.01, 3), ask(&mut StepNormals::seed(7), 0.01, 3));
     }
 
-    /// The parts of a step add up to it: three roundings each.
+    /// The parts of a step add up to the step, to three roundings each.
     #[test]
     fn halves_add_up() {
         for (h, step) in [(0.1, 3), (-0.25, 17), (7.0, (1 << 53) - 1)] {
@@ -499,7 +499,7 @@ mod tests {
         }
     }
 
-    /// Of one seed, the normals of steps of size `h` and `h/2` are not correlated: 10 000 products, five deviations of 1/100.
+    /// The normals of steps of size `h` and `h/2` from one seed are not correlated: 10 000 products, five deviations of 1/100.
     #[test]
     fn step_sizes_share_nothing() {
         let of = |h: f64| {

@@ -39,7 +39,7 @@ impl Truncation {
         }
     }
 
-    /// What acts in a run that truncates unless told otherwise, or does not.
+    /// The truncation that acts in a run, given whether the run truncates by default.
     pub(super) fn in_run(self, truncates: bool) -> Self {
         if self == Self::Unset && truncates { Self::On(Self::DEFAULT) } else { self }
     }

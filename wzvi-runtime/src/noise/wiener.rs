@@ -34,7 +34,7 @@ pub struct Wiener {
     /// Whether the current run truncates unless told otherwise.
     truncates: bool,
     cursors: Vec<Cursor>,
-    /// Those of single processes far from all others.
+    /// Cursors of single processes far from all others.
     distant: BTreeMap<usize, Cursor>,
     /// The end of the last step: the next one starts there.
     reached: (f64, GridTime),

@@ -34,7 +34,7 @@ pub enum Sampling {
     Literal,
     /// `W_eps(t_i + h) - W_eps(t_i)`, exactly.
     Exact,
-    /// The same for the centred kernel.
+    /// The exact average with the centred kernel.
     ExactCentred,
 }
 
@@ -45,7 +45,7 @@ pub struct WongZakai {
     sampling: Sampling,
     /// The path, at the early end of the window.
     early: Wiener,
-    /// The same path, at the late end.
+    /// A copy of the path for the late end of the window.
     late: Wiener,
     /// Times of the last step, for the next.
     reached: [(f64, GridTime); 2],

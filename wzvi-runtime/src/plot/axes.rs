@@ -39,7 +39,7 @@ fn range(axis: &Axis, places: &mut dyn Iterator<Item = f64>) -> (f64, f64) {
     (low - pad, high + pad)
 }
 
-/// The same, widened until one unit is as long up as across.
+/// Both ranges, widened until one unit is as long up as across.
 fn equal(ranges: [(f64, f64); 2], layout: &Layout) -> [(f64, f64); 2] {
     let lengths = layout.lengths();
     let units = [0, 1].map(|axis| (ranges[axis].1 - ranges[axis].0) / lengths[axis]);

@@ -7,7 +7,7 @@ use crate::error::UnknownName;
 
 /// The mean of MEGNO from which a path is drawn as a chaotic one: regular ones have 2.
 const CHAOTIC: f64 = 4.0;
-/// The decimal logarithm of SALI below which it is: rounding leaves -16.
+/// The decimal logarithm of SALI below which a path is chaotic: rounding leaves -16.
 const ALIGNED: f64 = -12.0;
 
 /// Figures of a map of chaos: [`ChaosMap::plot`] begins them. Each method returns a [`Figure`] with a cell for each start, in the plane of two
@@ -83,7 +83,7 @@ fn width(values: &[f64]) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let (Some(first), Some(last)) = (sorted.first(), sorted.last()) else { return 1.0 };
     let extent = last - first;
-    // Of a grid, values are the same up to rounding.
+    // Values of a grid are the same up to rounding.
     sorted.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * extent);
     let in_a_row = (values.len() as f64).sqrt();
     let number = (sorted.len() as f64).min(2.0 * in_a_row).max(2.0);

@@ -85,7 +85,7 @@ pub(super) fn drawn_svg(size: (u32, u32), plots: &[((i32, i32), Plot<'_>)]) -> R
     Ok(text)
 }
 
-/// The same as the content of a PNG file.
+/// The content of a PNG file.
 #[cfg(feature = "plot")]
 pub(super) fn drawn_png(size: (u32, u32), plots: &[((i32, i32), Plot<'_>)]) -> Result<Vec<u8>, PlotError> {
     let (width, height) = size;

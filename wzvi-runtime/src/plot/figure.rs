@@ -9,7 +9,7 @@ use crate::saving::table::Rows;
 pub struct Axis {
     /// Its label, with the unit.
     pub label: String,
-    /// Whether its scale is logarithmic; then only positive values are drawn.
+    /// Whether the scale is logarithmic; then only positive values are drawn.
     pub logarithmic: bool,
     /// Its limits; `None` for all points and a margin.
     pub range: Option<(f64, f64)>,
@@ -88,9 +88,9 @@ impl Colour {
 pub struct Series {
     /// Its name in the legend.
     pub name: String,
-    /// How it is drawn.
+    /// The look of the points.
     pub look: Look,
-    /// Its colour in the palette; series of one colour belong together.
+    /// The number of the colour in the palette; series of one colour belong together.
     pub colour: usize,
     /// `(x, y)`.
     pub points: Vec<(f64, f64)>,
@@ -104,12 +104,12 @@ impl Series {
         Self { name: name.into(), look, colour, points, notes: vec![] }
     }
 
-    /// Whether its points have marks with numbers.
+    /// Whether the points have marks with numbers.
     pub(crate) fn marked(&self) -> bool {
         matches!(self.look, Look::Marks | Look::Joined)
     }
 
-    /// Whether it is nothing but a line.
+    /// Whether the series is nothing but a line.
     pub(crate) fn joined(&self) -> bool {
         matches!(self.look, Look::Line | Look::Dashed | Look::Broad)
     }
@@ -131,11 +131,11 @@ pub struct Shades {
 /// A plot with its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Names its files: letters, digits and hyphens.
+    /// The name of the files of the figure: letters, digits and hyphens.
     pub id: String,
     /// Its heading.
     pub title: String,
-    /// What it shows, in sentences.
+    /// The caption, in sentences.
     pub shows: String,
     /// The horizontal axis.
     pub x: Axis,
@@ -218,7 +218,7 @@ impl Figure {
         self
     }
 
-    /// The same for the vertical axis.
+    /// Sets the limits of the vertical axis, as [`Figure::x_range`] those of the horizontal one.
     #[must_use]
     pub fn y_range(mut self, range: Range<f64>) -> Self {
         self.y.range = Some((range.start, range.end));
@@ -274,7 +274,7 @@ impl Figure {
         (headings, rows.chain(shaded).collect())
     }
 
-    /// The same as CSV.
+    /// The points as CSV.
     pub fn csv(&self) -> Vec<u8> {
         let rows = self.series.iter().flat_map(|series| {
             let note = |index: usize| series.notes.get(index).cloned().unwrap_or_default();

@@ -6,7 +6,7 @@ use super::figure::{Figure, Series};
 const LETTER: f64 = 7.6;
 /// Length of the line beside a name.
 pub(super) const KEY: i32 = 26;
-/// From the start of a key to its name.
+/// Distance from the start of a key to its name.
 pub(super) const INDENT: i32 = 36;
 /// Between the rows of a legend.
 const ROW: i32 = 20;
@@ -43,7 +43,7 @@ impl Layout {
         Self::below(figure, size, 38, Some((MARGIN, 8)))
     }
 
-    /// The same for a page, which has the title above the drawing: a legend of several rows makes it higher.
+    /// The layout for a page, which has the title above the drawing: a legend of several rows makes it higher.
     pub(crate) fn untitled(figure: &Figure, (width, height): (i32, i32)) -> Self {
         let top = 12;
         let rows = Self::below(figure, (width, height), top, None).frame[1] - top;

@@ -120,8 +120,8 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         figure
     }
 
-    /// The crossings of the sections of the run ([`Simulation::section`](crate::path::simulate::Simulation::section)): momenta against coordinates, a
-    /// colour for each section. Of the first degree of freedom that is shown.
+    /// The crossings of the sections of the run ([`Simulation::section`](crate::path::simulate::Simulation::section)): momenta against coordinates of
+    /// the first degree of freedom that is shown, with a colour for each section.
     pub fn section(&self) -> Figure {
         let Some((degree, [q, p])) = self.named().next() else { return Figure::panel("Section", "", "") };
         let mut figure = Figure::panel("Section", q, p);

@@ -11,7 +11,7 @@ use super::layout::Layout;
 use crate::error::PlotError;
 use crate::saving::file;
 
-/// Pixels of the file for one of the layout.
+/// Pixels of the file for one unit of the layout.
 const SCALE: i32 = 2;
 
 /// Figures side by side and below each other, each with its title and legend above its axes.

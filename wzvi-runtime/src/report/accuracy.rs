@@ -21,7 +21,7 @@ const LOOKS: u64 = 256;
 /// Paths in a block at least, if there are as many for each thread.
 const LANES: u64 = 8;
 
-/// What became of the paths of one scheme and step size.
+/// The outcomes of the paths of one scheme and step size.
 #[derive(Default)]
 struct Found {
     good: Vec<Good>,
@@ -52,7 +52,7 @@ impl Found {
     }
 }
 
-/// What is seen of one path.
+/// The energies and the end of one path.
 struct Seen<V> {
     /// Times since the start and energies against it.
     energies: Vec<(f64, f64)>,
@@ -126,7 +126,7 @@ where
         mut take: impl FnMut(T) + Send,
     ) -> Result<(), Error> {
         let paths = plan.paths as u64;
-        // As many as fill lanes, if that leaves some for each thread.
+        // As many paths as fill the lanes, if that leaves some for each thread.
         let beside = LANES.min(paths.div_ceil(plan.threads as u64));
         let size = (TIMED_STEPS.div_ceil(steps.max(1)) as u64).max(beside);
         let mut failed = Ok(());
@@ -149,14 +149,14 @@ where
         failed
     }
 
-    /// Where paths end, as the reference has it; `None` if it was stopped.
+    /// The ends of the paths of the reference; `None` if it was stopped.
     fn ends(
         &self,
         plan: &Settings<H::Vector>,
         reference: &Reference<'a, H>,
         paths: Range<u64>,
     ) -> Result<Option<Vec<State<H::Vector>>>, Error> {
-        // Of a thermostat, one for each degree of freedom.
+        // A thermostat has one increment for each degree of freedom.
         let degrees = plan.start.q.components().len();
         let mut drawn = self.methods.iter().map(|method| (method.increments)(self.system, degrees));
         let of_bath = if drawn.any(|drawn| drawn > self.system.noises()) { degrees } else { 0 };

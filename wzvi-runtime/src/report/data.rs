@@ -27,9 +27,9 @@ pub struct Cell {
     pub steps: usize,
     /// Paths that reached the end.
     pub paths: usize,
-    /// Paths that did not: a step failed.
+    /// Paths that ended early: a step failed.
     pub failures: usize,
-    /// The error of the first of them.
+    /// The error of the first path that ended early.
     pub failure: Option<String>,
     /// Root mean square over paths of `|z_N - z(T)|`, Euclidean in (q, p).
     pub strong: Estimate,
@@ -41,7 +41,7 @@ pub struct Cell {
     pub energy_oscillation: Estimate,
     /// Newton iterations per step.
     pub iterations: f64,
-    /// The largest number in one step.
+    /// The largest number of iterations in one step.
     pub largest_iterations: u32,
     /// Seconds for the steps of one path; `None` if it was not timed.
     pub time: Option<Spread>,
@@ -67,7 +67,7 @@ impl Cell {
 /// One measurement of a system: everything, ready to print and to write.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// What it is about.
+    /// The title of the measurement.
     pub title: String,
     /// The program and the machine.
     pub machine: Machine,
@@ -81,7 +81,7 @@ pub struct Report {
     pub reference: String,
     /// Whether the drift Hamiltonian of the system is a first integral: "Proven", "Refuted" or "Unknown".
     pub conserves_energy: String,
-    /// Whether it was stopped before all was measured.
+    /// Whether the measurement was stopped before its end.
     pub interrupted: bool,
     /// The measurements, scheme by scheme, large steps first.
     pub cells: Vec<Cell>,

@@ -166,7 +166,7 @@ fn drawn(figure: &Figure) -> Result<String, ReportError> {
     ))
 }
 
-/// A drawing with the numbers of its points for who points at them.
+/// A drawing that shows the numbers of a point under the pointer.
 fn svg(figure: &Figure, plot: &Plot<'_>) -> Result<String, ReportError> {
     let alternative = format!(
         "Plot of {} against {}: {}. The numbers are in the table below.",

@@ -21,7 +21,7 @@ use crate::scheme::system::{Discretized, Hamiltonian};
 /// Sees a path, by its number in the run, at a recorded node.
 type See<'a, V> = &'a (dyn Fn(u64, &State<V>) + Sync);
 
-/// Paths to run, one after the other or beside each other.
+/// Paths to run, one after the other or in lanes.
 pub(super) struct Paths<'a, 'n, V> {
     pub(super) start: &'a State<V>,
     pub(super) h: f64,
@@ -77,7 +77,7 @@ pub(super) struct Given<'a, V> {
     pub(super) increments: &'a [f64],
 }
 
-/// Increments that were drawn before, by rows.
+/// Increments that were drawn before, one row per step.
 struct Rows<'a>(&'a [f64]);
 
 impl Noise for Rows<'_> {

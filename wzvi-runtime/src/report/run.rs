@@ -275,7 +275,7 @@ impl Work {
     }
 }
 
-/// Settings that fit together.
+/// Settings that were checked together.
 pub(super) struct Settings<V> {
     pub(super) start: State<V>,
     pub(super) end: f64,

@@ -57,7 +57,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of some values; NaN of none.
+    /// Statistics of some values; NaN of none.
     pub fn of(values: &[f64]) -> Self {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -82,7 +82,7 @@ pub struct Trend {
 }
 
 impl Trend {
-    /// Of points `(t, y)`; zero of fewer than two.
+    /// The trend of points `(t, y)`; zero of fewer than two.
     pub fn of(points: &[(f64, f64)]) -> Self {
         let n = points.len() as f64;
         if points.len() < 2 {

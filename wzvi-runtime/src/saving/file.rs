@@ -47,7 +47,7 @@ pub(crate) fn create_folder(path: &Path) -> Result<(), FileError> {
 #[derive(Debug)]
 pub(crate) struct Target {
     path: PathBuf,
-    /// Of the file that is there.
+    /// The metadata of the file that is there.
     metadata: Option<Metadata>,
 }
 
@@ -65,7 +65,7 @@ impl Target {
             let kind = metadata.file_type();
             if kind.is_symlink() {
                 let next = fs::read_link(&target).map_err(FileError::system(path, action))?;
-                // That of a link is relative to the folder of the link.
+                // The target of a link is relative to the folder of the link.
                 target = folder(&target).join(next);
             } else if kind.is_file() {
                 return Ok(Self { path: target, metadata: Some(metadata) });
@@ -89,7 +89,7 @@ impl Target {
 /// New content of a file, complete and on the disk, which does not have its name yet; without [`Staged::publish`] it goes.
 #[derive(Debug)]
 pub(crate) struct Staged {
-    /// What the user calls it.
+    /// The name that the user gave.
     asked: PathBuf,
     target: PathBuf,
     /// The temporary name; `None` when it is no longer there.
@@ -143,7 +143,7 @@ impl Staged {
 impl Drop for Staged {
     fn drop(&mut self) {
         if let Some(part) = &self.part {
-            // The failure that led here is the one to tell.
+            // The earlier failure is the one to report.
             let _ = fs::remove_file(part);
         }
     }
@@ -213,7 +213,7 @@ fn create_part(target: &Path) -> io::Result<(PathBuf, File)> {
         match File::create_new(&part) {
             Ok(file) => {
                 let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
-                // Somebody who clears up may have come between; from now on nobody can.
+                // Another process may have removed the file before it was locked; from now on none can.
                 if !is_taken && part.exists() {
                     return Ok((part, file));
                 }

@@ -71,7 +71,7 @@ impl Table {
         self.write_csv_rows(to)
     }
 
-    /// The rows of this one and those of others with the same columns.
+    /// The rows of this table and of others with the same columns.
     pub(crate) fn write_csv_parts(
         &self,
         rest: impl Iterator<Item = Self>,

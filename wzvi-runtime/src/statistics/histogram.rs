@@ -4,7 +4,7 @@ use crate::error::{ConfigError, wrong};
 use crate::ground::digits::Brief;
 use crate::ground::numbers::{Numbers, Tape};
 
-/// More bins than anyone looks at, 128 MiB of them.
+/// A limit on the number of bins, 128 MiB of them.
 const MOST_BINS: usize = 1 << 24;
 
 /// How many samples fell into each of several bins of equal width, `[lower, upper)` in all: bin `b` has those from

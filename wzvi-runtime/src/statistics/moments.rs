@@ -168,7 +168,7 @@ impl Moments {
         }
     }
 
-    /// Where the product of two observables is, if it is computed.
+    /// The index of the product of two observables, if it is computed.
     fn index(&self, a: usize, b: usize) -> Option<usize> {
         let (row, column) = (a.max(b), a.min(b));
         let index = if self.has_covariances { row * (row + 1) / 2 + column } else { row };

@@ -35,7 +35,7 @@ pub struct Passages {
     lost: u64,
     /// The times at which all start and end.
     span: [f64; 2],
-    /// Time that the others spent on the way.
+    /// Time that paths without a passage spent on the way.
     waits: Welford,
     /// Time that all paths together spent on the way.
     exposure: f64,
@@ -159,7 +159,7 @@ impl Passages {
         self.times.count()
     }
 
-    /// Number of paths that reached the end without.
+    /// Number of paths that reached the end without a passage.
     pub fn censored(&self) -> u64 {
         self.censored
     }
@@ -184,7 +184,7 @@ impl Passages {
         self.times.variance()
     }
 
-    /// The standard error of [`Passages::mean`]. Of few passages it is uncertain itself: `mean ± 1.96
+    /// The standard error of [`Passages::mean`]. With few passages it is uncertain itself: `mean ± 1.96
     /// standard_error` covers 69, 89, 92 % for 2, 5, 10 of them.
     pub fn standard_error(&self) -> f64 {
         self.times.standard_error()

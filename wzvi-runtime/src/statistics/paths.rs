@@ -51,7 +51,7 @@ impl Paths {
     }
 }
 
-/// Of those that are kept.
+/// Collects paths if they are kept.
 impl Statistic for Option<Paths> {
     fn see(&mut self, path: u64, seen: &Seen<'_>) {
         let (Some(paths), Seen::Values { node, values: seen }) = (self, *seen) else { return };

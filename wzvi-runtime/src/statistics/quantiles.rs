@@ -225,7 +225,7 @@ impl Numbers for Quantiles {
             let mut word = i64::from(*bin).cast_unsigned();
             tape.words([&mut word, count]);
             match i32::try_from(word.cast_signed()) {
-                // That of the number with the most bits.
+                // No bin lies beyond those of infinity, the number with the most bits.
                 Ok(read) if (-self::bin(f64::INFINITY) - 1..=self::bin(f64::INFINITY)).contains(&read) => {
                     *bin = read
                 }

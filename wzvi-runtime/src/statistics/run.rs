@@ -40,12 +40,12 @@ pub struct Statistics {
     sections: EachSection,
     pub(crate) paths: Option<Paths>,
     losses: Losses,
-    /// Those that the user added.
+    /// Statistics that the user added.
     own: Vec<Box<dyn AnyStatistic>>,
     pub(crate) is_partial: bool,
     /// The targets of standard errors, by observable.
     pub(crate) targets: Vec<(usize, TargetStatus)>,
-    /// What the whole run is of; a block does not say so.
+    /// Settings of the whole run; `None` in a chunk.
     pub(crate) origin: Option<Origin>,
     pub(crate) unsaved: Option<FileError>,
 }
@@ -66,7 +66,7 @@ pub enum TargetStatus {
 }
 
 impl Statistics {
-    /// Of observables with these names, without paths.
+    /// Statistics of observables with these names, without paths.
     pub(crate) fn new(names: Vec<String>, nodes: Nodes) -> Self {
         Self {
             names: names.into(),
@@ -83,7 +83,7 @@ impl Statistics {
         }
     }
 
-    /// With those of events, sections, whole paths and the user.
+    /// Adds the statistics of events, sections, whole paths and the user.
     pub(crate) fn with(
         self,
         events: Vec<Passages>,
@@ -213,7 +213,7 @@ impl Statistics {
         self.at_end(name, StatisticsNode::standard_error)
     }
 
-    /// An upper estimate of it, as [`StatisticsNode::error_bound`].
+    /// An upper estimate of the standard error, as [`StatisticsNode::error_bound`].
     ///
     /// # Errors
     /// The errors of [`Statistics::mean`].
@@ -261,7 +261,7 @@ impl Statistics {
         self.nodes().last().and_then(|end| end.histograms().get(position)).ok_or(NO_HISTOGRAM)
     }
 
-    /// Where the first histogram of an observable is among those of a node.
+    /// The index of the first histogram of an observable in the list of a node.
     pub(crate) fn histogram_position(&self, name: &str) -> Result<usize, StatisticsError> {
         let observable = self.known(name)?;
         self.histogrammed().iter().position(|&known| known == observable).ok_or(NO_HISTOGRAM)
@@ -316,7 +316,7 @@ impl Statistics {
     /// The errors of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was requested.
     pub fn target(&self, name: &str) -> Result<TargetStatus, StatisticsError> {
         let observable = self.known(name)?;
-        // Of several targets for one observable, the first that was not met.
+        // If one observable has several targets, the first that was not met.
         let mut found =
             self.targets.iter().filter(|(known, _)| *known == observable).map(|(_, status)| *status);
         let first = found.next();
@@ -329,7 +329,7 @@ impl Statistics {
         self.losses.failed
     }
 
-    /// The first thousand of them by number, with their errors.
+    /// The first thousand paths that ended early, by number, with their errors.
     pub fn failures(&self) -> &[PathFailure] {
         &self.losses.failures
     }

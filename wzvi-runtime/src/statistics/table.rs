@@ -64,7 +64,7 @@ impl Statistics {
             let path = folder.join(first.name()).with_extension(extension);
             Some(Staged::write(&path, |file| write(&first, parts, file)))
         };
-        // The first one is that of the run.
+        // The first table is that of the run.
         let staged = self.in_parts().into_iter().filter_map(stage).collect::<Result<Vec<_>, _>>()?;
         file::publish_set(staged)
     }

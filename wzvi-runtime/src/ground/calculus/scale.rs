@@ -46,7 +46,7 @@ impl fmt::Display for Point {
     }
 }
 
-/// A kind of time scale; [`TimeScale`] gives it its interval.
+/// A kind of time scale; a [`TimeScale`] has the interval.
 pub trait Scale {
     /// The symbol of the paper.
     const NAME: &'static str;

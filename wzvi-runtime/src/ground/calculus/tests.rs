@@ -97,7 +97,7 @@ fn the_derivative_of_the_extension_is_that_of_the_function() {
         for i in 0..scale.steps() {
             assert_eq!(whole.at(Point::midpoint(i)), coarse.at(Point::node(i)));
         }
-        // The same at the node before, as the extension is affine in between.
+        // The node before has the same value, as the extension is affine in between.
         assert_eq!(whole.restrict::<Plus<Nodes>>().unwrap(), coarse);
     }
 }

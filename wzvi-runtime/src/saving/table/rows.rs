@@ -9,7 +9,7 @@ use super::{Column, Table};
 /// Rows of a part: some megabytes of numbers.
 const PART: usize = 1 << 15;
 
-/// The rows of a table, some at a time; the first part is always there.
+/// The rows of a table in parts; there is always a first part.
 pub(crate) type Parts<'r> = Box<dyn Iterator<Item = Table> + 'r>;
 
 /// The entries of some rows.

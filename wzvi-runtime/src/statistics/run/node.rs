@@ -18,12 +18,12 @@ pub(crate) struct Nodes {
     /// The observable of each histogram.
     pub(super) histogrammed: Vec<usize>,
     scratch: Vec<f64>,
-    /// The values of the first path of an antithetic pair, if it had any.
+    /// The values of the first path of an antithetic pair, if it reached the node.
     first: Vec<f64>,
     has_first: bool,
 }
 
-/// The paths that it has seen, and no room.
+/// The paths that the node has seen, without scratch.
 impl PartialEq for Nodes {
     fn eq(&self, other: &Self) -> bool {
         self.all == other.all && self.histogrammed == other.histogrammed
@@ -166,14 +166,14 @@ pub struct StatisticsNode {
     /// Paths that failed before.
     lost: u64,
     moments: Moments,
-    /// Of the means of antithetic pairs.
+    /// Moments of the means of antithetic pairs.
     pairs: Option<Moments>,
     quantiles: Vec<Quantiles>,
     histograms: Vec<Histogram>,
 }
 
 impl StatisticsNode {
-    /// Without paths, at no time yet. Of so many observables, with or without covariances, antithetic pairs and quantiles.
+    /// A node of so many observables, without paths and at no time yet, with or without covariances, antithetic pairs and quantiles.
     pub(crate) fn new(
         observables: usize,
         has_covariances: bool,
@@ -224,7 +224,7 @@ impl StatisticsNode {
         self.time
     }
 
-    /// Number of paths that got here.
+    /// Number of paths that reached the node.
     pub fn count(&self) -> u64 {
         self.moments.count()
     }
@@ -248,7 +248,7 @@ impl StatisticsNode {
     /// path and a single antithetic pair, and of two different ones if the run was set to omit covariances. It is infinite where it is too
     /// large for an `f64`; errors of means are not.
     ///
-    /// Both paths of an antithetic pair depend on each other. Of `n` paths, `2m` of them in `m` pairs, the expectation of `C`, the sum of products of
+    /// Both paths of an antithetic pair depend on each other. For `n` paths, `2m` of them in `m` pairs, the expectation of `C`, the sum of products of
     /// deviations from the mean, is `(n - u/n) cov - (4m/n) cov_pairs`, with `u = n - 2m` and the covariance `cov_pairs` of the means of pairs. The estimate is
     /// `(C + (4m/n) cov_pairs) / (n - u/n)`, which is `C / (n - 1)` without pairs.
     pub fn covariance(&self, a: usize, b: usize) -> f64 {
