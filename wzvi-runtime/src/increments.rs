@@ -1,7 +1,7 @@
 //! Where the increments of a path come from.
 //!
-//! A [`Noise`] fills in `ΔW_1 … ΔW_K` of each step. [`Increments`] are given numbers. Everything random is in another module, so that a
-//! program without noise compiles no generator.
+//! A [`Noise`] fills in `ΔW_1 … ΔW_K` of each step. [`Increments`] are given numbers. Everything random is in
+//! another module, so that a program without noise compiles no generator.
 
 mod identity;
 
@@ -46,8 +46,9 @@ impl Interval {
 
 /// A source of increments.
 pub trait Noise {
-    /// Called before the first step of each run, with the plan of the scheme (see [`Plan::truncates_increments`]), the step size, the number of
-    /// processes and the time of the start. Sources that need none of this keep the default.
+    /// Called before the first step of each run, with the plan of the scheme (see
+    /// [`Plan::truncates_increments`]), the step size, the number of processes and the time of the start.
+    /// Sources that need none of this keep the default.
     ///
     /// # Errors
     /// [`NoiseError`] if the source cannot serve such a run.
@@ -56,7 +57,8 @@ pub trait Noise {
         Ok(())
     }
 
-    /// Writes the increments of one step, one per process, with variance `|h|` each if they are Wiener increments.
+    /// Writes the increments of one step, one per process, with variance `|h|` each if they are Wiener
+    /// increments.
     ///
     /// Not called for a system without noise.
     ///
@@ -64,7 +66,8 @@ pub trait Noise {
     /// [`NoiseError`]; the run ends there and keeps what it has.
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError>;
 
-    /// Writes the increments of a last step that is shorter than the others: of size `h`, from the start of the step `interval` on.
+    /// Writes the increments of a last step that is shorter than the others: of size `h`, from the start of
+    /// the step `interval` on.
     ///
     /// # Errors
     /// [`NoiseError`]; a source that keeps this default has none.
@@ -77,9 +80,10 @@ pub trait Noise {
         ))
     }
 
-    /// Writes the increments between two times inside a step: those over the part `from` to `to` of it, as fractions between 0 and 1. The step
-    /// begins where `interval` does and has the size `h`, which is less than that of `interval` for a [last step that is
-    /// shorter](Noise::increments_of_part). Parts that fill a step add up to its increments.
+    /// Writes the increments between two times inside a step: those over the part `from` to `to` of it, as
+    /// fractions between 0 and 1. The step begins where `interval` does and has the size `h`, which is less
+    /// than that of `interval` for a [last step that is shorter](Noise::increments_of_part). Parts that fill
+    /// a step add up to its increments.
     ///
     /// A last step is halved by it ([`Retry`](crate::path::retry::Retry)), and a recorded path asks for
     /// [states between its nodes](crate::path::trajectory::Trajectory::at).
@@ -101,22 +105,23 @@ pub trait Noise {
         ))
     }
 
-    /// The largest absolute value that an increment of a step of size `h` can have, after [`Noise::prepare`]; infinite without truncation. Runs
-    /// refuse implicit steps in which such an increment reaches a pole.
+    /// The largest absolute value that an increment of a step of size `h` can have, after [`Noise::prepare`];
+    /// infinite without truncation. Runs refuse implicit steps in which such an increment reaches a pole.
     fn largest_increment(&self, h: f64) -> f64 {
         let _ = h;
         f64::INFINITY
     }
 
-    /// Goes to another path, so many further on among those of an ensemble; false for a source that has one path only.
+    /// Goes to another path, so many further on among those of an ensemble; false for a source that has one
+    /// path only.
     #[doc(hidden)]
     fn skip_paths(&mut self, _paths: u64) -> bool {
         false
     }
 
-    /// The identity of this source, after [`Noise::prepare`]. A source that returns one guarantees that the increments of a step depend on
-    /// the identity and the [`Interval`] alone, to the last bit, whatever was drawn before. An interrupted run can then resume with another
-    /// source of the same identity.
+    /// The identity of this source, after [`Noise::prepare`]. A source that returns one guarantees that the
+    /// increments of a step depend on the identity and the [`Interval`] alone, to the last bit, whatever was
+    /// drawn before. An interrupted run can then resume with another source of the same identity.
     ///
     /// A source without this guarantee keeps the default; its runs take no checkpoints.
     fn identity(&self) -> Option<Identity> {
@@ -124,7 +129,8 @@ pub trait Noise {
     }
 }
 
-/// A last step that is shorter than the others, in a run whose noise serves whole steps alone, because of `why`.
+/// A last step that is shorter than the others, in a run whose noise serves whole steps alone, because of
+/// `why`.
 fn no_shorter_step(interval: &Interval, h: f64, why: &str) -> NoiseError {
     let [before, beyond] = [interval.begin(), interval.end()].map(computed);
     let [size, step] = [number(h), number(interval.h)];
@@ -141,8 +147,9 @@ pub enum Whole {}
 #[derive(Clone, Copy, Debug)]
 pub enum Halved {}
 
-/// A source whose path has increments over any interval. A step that fails can then be subdivided, and its parts add up to it. (`WongZakai` samples a
-/// velocity in each part, unless its sampling is exact: these do not.) See [`Retry`](crate::path::retry::Retry). Given rows of numbers are not divisible.
+/// A source whose path has increments over any interval. A step that fails can then be subdivided, and its
+/// parts add up to it. (`WongZakai` samples a velocity in each part, unless its sampling is exact: these do
+/// not.) See [`Retry`](crate::path::retry::Retry). Given rows of numbers are not divisible.
 ///
 /// Runs take a source `N: Divisible<R>`: every source drives [`Whole`] steps.
 #[diagnostic::on_unimplemented(

@@ -1,7 +1,9 @@
-//! Increments of the driving noise: Wiener paths, their Wong-Zakai approximations, and increments that are given.
+//! Increments of the driving noise: Wiener paths, their Wong-Zakai approximations, and increments that are
+//! given.
 //!
-//! * A [`Wiener`] is a path, not a stream: `W(t)` is a function of the seed, the path of the ensemble, the process and the time. Any
-//!   partition, forwards, backwards or at random, gives the same path bit by bit, so that runs with different step sizes share it.
+//! * A [`Wiener`] is a path, not a stream: `W(t)` is a function of the seed, the path of the ensemble, the
+//!   process and the time. Any partition, forwards, backwards or at random, gives the same path bit by bit,
+//!   so that runs with different step sizes share it.
 //! * A [`WongZakai`] averages such a path over a window.
 //! * [`StepNormals`] are one normal for each step. They are faster, and another step size is another sample.
 //! * [`Increments`] are given numbers.

@@ -8,8 +8,9 @@
 //! statistics.plot().histogram("q")?.write("density.svg")?;
 //! ```
 //!
-//! [`Trajectory::plot`](crate::path::trajectory::Trajectory::plot) and `Statistics::plot` make figures of paths and of ensembles. A [`Figure`] of your own takes any points,
-//! and a [`Sheet`] puts several into one file. Colours are those of Okabe and Ito, which every kind of colour vision tells apart.
+//! [`Trajectory::plot`](crate::path::trajectory::Trajectory::plot) and `Statistics::plot` make figures of
+//! paths and of ensembles. A [`Figure`] of your own takes any points, and a [`Sheet`] puts several into one
+//! file. Colours are those of Okabe and Ito, which every kind of colour vision tells apart.
 
 mod axes;
 #[cfg(feature = "ensemble")]

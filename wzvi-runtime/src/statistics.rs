@@ -1,4 +1,5 @@
-//! Statistics of many paths: moments, histograms, quantiles, crossings, first passages, and their tables. Each is a [`Statistic`].
+//! Statistics of many paths: moments, histograms, quantiles, crossings, first passages, and their tables.
+//! Each is a [`Statistic`].
 
 mod crossings;
 mod histogram;

@@ -10,8 +10,8 @@
 //! | T_½ | [`Midpoints`] | `t_{1/2} … t_{N-1/2}` |
 //! | T_∘ | [`Whole`] | T ∪ T_½ |
 //!
-//! and a [`Function<S, V>`] is a function on the scale `S` with values in `V`. Its scale is part of its type, so a
-//! derivative can only be evaluated where it is defined:
+//! and a [`Function<S, V>`] is a function on the scale `S` with values in `V`. Its scale is part of its type,
+//! so a derivative can only be evaluated where it is defined:
 //!
 //! | paper | here |
 //! |---|---|
@@ -21,8 +21,8 @@
 //! | `[f]_∘` | [`Function::mean_around`] |
 //! | `∫ f Δ_λ t` | [`Lambda::antiderivative`]; [`Function::integral`] where the scale says λ |
 //!
-//! Sums are taken from left to right and nothing is rearranged: on data whose sums are exact (dyadic numbers) every
-//! identity holds exactly.
+//! Sums are taken from left to right and nothing is rearranged: on data whose sums are exact (dyadic numbers)
+//! every identity holds exactly.
 //!
 //! ```
 //! use wzvi_runtime::ground::calculus::{Nodes, TimeScale};
@@ -50,7 +50,8 @@ pub use scale::{Interior, Midpoints, Minus, Nodes, Plus, Point, Scale, TimeScale
 /// A value was requested where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DomainError {
-    /// `[a, b]` with `N` steps is no uniform time scale: `a` and `b` must be finite and far enough apart, `N > 0`.
+    /// `[a, b]` with `N` steps is no uniform time scale: `a` and `b` must be finite and far enough apart,
+    /// `N > 0`.
     Interval {
         /// `a`
         a: f64,

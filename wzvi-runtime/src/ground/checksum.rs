@@ -1,7 +1,8 @@
-//! The checksum of files and of given increments: CRC-64/XZ, which misses no change within 64 neighbouring bits.
+//! The checksum of files and of given increments: CRC-64/XZ, which misses no change within 64 neighbouring
+//! bits.
 //!
-//! Parameters from the catalogue of G. Cook: polynomial `42F0E1EBA9EA3693` (ECMA-182), reflected, all ones before and
-//! after.
+//! Parameters from the catalogue of G. Cook: polynomial `42F0E1EBA9EA3693` (ECMA-182), reflected, all ones
+//! before and after.
 
 use std::fmt;
 

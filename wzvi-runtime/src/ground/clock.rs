@@ -1,4 +1,5 @@
-//! The time, where there is one: targets such as `wasm32-unknown-unknown` have no clock, and asking for it there is a trap.
+//! The time, where there is one: targets such as `wasm32-unknown-unknown` have no clock, and asking for it
+//! there is a trap.
 
 use std::time::{Duration, Instant, SystemTime};
 

@@ -17,7 +17,8 @@ impl fmt::Display for Brief {
     }
 }
 
-/// A time or a size that was computed: by 15 digits where these are within two roundings of it, as 0.9 for `3.0 * 0.3`.
+/// A time or a size that was computed: by 15 digits where these are within two roundings of it, as 0.9 for
+/// `3.0 * 0.3`.
 pub(crate) fn computed(x: f64) -> Brief {
     let short = format!("{x:.14e}").parse().unwrap_or(x);
     Brief(if (short - x).abs() <= 2.0 * f64::EPSILON * x.abs() { short } else { x })
@@ -55,8 +56,8 @@ pub(crate) fn power_of_ten(exponent: i32) -> String {
     format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
 }
 
-/// `value ± uncertainty` to the first digit of the uncertainty, with one power of ten for both where they are large or small; a dash
-/// for none.
+/// `value ± uncertainty` to the first digit of the uncertainty, with one power of ten for both where they are
+/// large or small; a dash for none.
 pub(crate) fn estimate(value: f64, uncertainty: f64) -> String {
     if value.is_nan() {
         return "-".to_owned();

@@ -26,8 +26,8 @@ struct Clock {
 }
 
 impl Due {
-    /// For the steps from node `first` to node `end`: at multiples of `every`, and whenever `interval` has gone by, where there is a
-    /// clock.
+    /// For the steps from node `first` to node `end`: at multiples of `every`, and whenever `interval` has
+    /// gone by, where there is a clock.
     pub(crate) fn new(every: Option<u64>, interval: Option<Duration>, first: u64, end: u64) -> Self {
         let clock = interval.and_then(|interval| {
             let now = clock::now()?;
@@ -75,8 +75,8 @@ impl Due {
 }
 
 impl Clock {
-    /// Whether it is time, and how many steps later to look again: about a hundred looks per interval, and ten per
-    /// second.
+    /// Whether it is time, and how many steps later to look again: about a hundred looks per interval, and
+    /// ten per second.
     fn look(&mut self) -> bool {
         let Some(now) = clock::now() else { return false };
         let wanted = (self.interval / 100).min(Duration::from_millis(100));

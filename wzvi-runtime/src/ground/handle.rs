@@ -13,8 +13,9 @@
 //! });
 //! ```
 //!
-//! A stopped run keeps its results so far, and writes its checkpoint, if it has one. [`run_partial`](crate::path::simulate::Simulation::run_partial) of a single path returns the
-//! path with `Error::Stopped`; averages, ensembles and multilevel runs return their results, marked as partial.
+//! A stopped run keeps its results so far, and writes its checkpoint, if it has one.
+//! [`run_partial`](crate::path::simulate::Simulation::run_partial) of a single path returns the path with
+//! `Error::Stopped`; averages, ensembles and multilevel runs return their results, marked as partial.
 
 use std::fmt;
 use std::sync::Arc;
@@ -62,8 +63,8 @@ impl Handle {
         Self(Arc::new(Shared { report: Some(Box::new(report)), ..Shared::default() }))
     }
 
-    /// Lets Ctrl-C stop the runs of this handle instead of ending the program; a second Ctrl-C ends it. A program with a signal handler of its own
-    /// keeps that handler, and calls [`Handle::stop`] in it.
+    /// Lets Ctrl-C stop the runs of this handle instead of ending the program; a second Ctrl-C ends it. A
+    /// program with a signal handler of its own keeps that handler, and calls [`Handle::stop`] in it.
     #[cfg(all(feature = "interrupt", not(target_family = "wasm")))]
     #[must_use = "it is the handle to give to runs"]
     pub fn on_interrupt(self) -> Self {
@@ -72,7 +73,8 @@ impl Handle {
         self
     }
 
-    /// Stops its runs, those under way and those that begin later, within about a tenth of a second or with the step that is being taken.
+    /// Stops its runs, those under way and those that begin later, within about a tenth of a second or with
+    /// the step that is being taken.
     pub fn stop(&self) {
         self.0.is_stopped.store(true, Ordering::Relaxed);
     }

@@ -1,5 +1,5 @@
-//! Numbers in the formats of `serde`. Formats for people, such as JSON, have no NaN and no infinity: there these are texts, `"NaN"`, `"inf"` and
-//! `"-inf"`, and `null` reads as NaN.
+//! Numbers in the formats of `serde`. Formats for people, such as JSON, have no NaN and no infinity: there
+//! these are texts, `"NaN"`, `"inf"` and `"-inf"`, and `null` reads as NaN.
 
 use std::fmt;
 
@@ -76,7 +76,8 @@ pub(crate) mod number {
     }
 }
 
-/// A number that may be absent: `#[serde(with = "loose::option")]`. In a format for people `null` is an absent one.
+/// A number that may be absent: `#[serde(with = "loose::option")]`. In a format for people `null` is an
+/// absent one.
 pub(crate) mod option {
     use super::{Deserialize, Deserializer, Loose, Serialize, Serializer};
 

@@ -6,8 +6,9 @@ use std::marker::PhantomData;
 ///
 /// One method serves both directions, so that reading cannot disagree with writing.
 pub trait Numbers {
-    /// Passes every number to a tape, in an order that depends only on the type and on what was passed before. A tape that is read replaces the
-    /// numbers, so that the words of one value make another one equal to it.
+    /// Passes every number to a tape, in an order that depends only on the type and on what was passed
+    /// before. A tape that is read replaces the numbers, so that the words of one value make another one
+    /// equal to it.
     fn pass(&mut self, tape: &mut Tape);
 }
 
@@ -73,8 +74,8 @@ impl<T: Numbers + Default> Numbers for Vec<T> {
     }
 }
 
-/// For all tuples that generated code has, by names and places of their parts: as long as those for which the standard library has `Default` and
-/// `Debug`, which a memory needs as well.
+/// For all tuples that generated code has, by names and places of their parts: as long as those for which the
+/// standard library has `Default` and `Debug`, which a memory needs as well.
 macro_rules! for_tuples {
     ($implement:ident) => {
         $implement! {
@@ -122,7 +123,8 @@ enum Way {
     Writing(Vec<u64>),
     /// Replaces what is passed.
     Reading {
-        /// What was recorded: one list, or one of each lane. What does not belong to a lane must be equal in all.
+        /// What was recorded: one list, or one of each lane. What does not belong to a lane must be equal in
+        /// all.
         lists: Vec<std::vec::IntoIter<u64>>,
         /// Whether more was passed than was recorded, or the record is inconsistent.
         short: bool,
@@ -154,7 +156,8 @@ impl Tape {
         Self::replaced(None, vec![words], &mut pass)
     }
 
-    /// Replaces all lanes of everything that `pass` shows by the words of each; `None` if they do not fit, or not each other.
+    /// Replaces all lanes of everything that `pass` shows by the words of each; `None` if they do not fit, or
+    /// not each other.
     pub(crate) fn join(lanes: Vec<Vec<u64>>, mut pass: impl FnMut(&mut Self)) -> Option<()> {
         Self::replaced(None, lanes, &mut pass)
     }
@@ -230,8 +233,8 @@ impl Tape {
         }
     }
 
-    /// Records or replaces an entry of a list. An entry without words gets one, so that a list never has more entries than words,
-    /// which [`Tape::length`] relies on.
+    /// Records or replaces an entry of a list. An entry without words gets one, so that a list never has more
+    /// entries than words, which [`Tape::length`] relies on.
     fn entry(&mut self, pass: impl FnOnce(&mut Self)) {
         let before = self.position();
         pass(self);

@@ -11,7 +11,8 @@ pub struct Variables {
     pub p: Labels,
     /// The name of time.
     pub t: &'static str,
-    /// The names of the first integrals, in the order of `invariant`; empty for one without a name, and no entries where none has one.
+    /// The names of the first integrals, in the order of `invariant`; empty for one without a name, and no
+    /// entries where none has one.
     pub invariants: &'static [&'static str],
 }
 

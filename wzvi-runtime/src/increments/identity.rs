@@ -2,8 +2,8 @@
 
 use std::fmt::{self, Debug};
 
-/// What a source of increments is: its kind and its settings, by name. Two sources with equal identities give the same
-/// increments for the same step.
+/// What a source of increments is: its kind and its settings, by name. Two sources with equal identities give
+/// the same increments for the same step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
     settings: Vec<(String, String)>,

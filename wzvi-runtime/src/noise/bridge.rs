@@ -1,8 +1,9 @@
 //! A Brownian path over an interval, and how an interval splits.
 //!
-//! Over an interval of length L let `w = W(b) - W(a)` and `A = int_a^b (W(s) - W(a) - (s - a) w / L) ds`, the area between the
-//! path and its chord: independent, `w ~ N(0, L)`, `A ~ N(0, L^3 / 12)`. Cut at the fraction alpha, beta = 1 - alpha. With x the
-//! height of the path over its chord at the cut, the covariances of the Brownian bridge give
+//! Over an interval of length L let `w = W(b) - W(a)` and `A = int_a^b (W(s) - W(a) - (s - a) w / L) ds`, the
+//! area between the path and its chord: independent, `w ~ N(0, L)`, `A ~ N(0, L^3 / 12)`. Cut at the fraction
+//! alpha, beta = 1 - alpha. With x the height of the path over its chord at the cut, the covariances of the
+//! Brownian bridge give
 //!
 //! ```text
 //! x   = 6 alpha beta A / L + sqrt(L alpha beta (1 - 3 alpha beta)) n_1          w_1 = alpha w + x,  w_2 = beta w - x
@@ -10,9 +11,10 @@
 //! A_1 = alpha^3 / (1 - 3 alpha beta) S + sqrt(L^3 alpha^3 beta^3 / (12 (1 - 3 alpha beta))) n_2,   A_2 = S - A_1
 //! ```
 //!
-//! because `cov(x, A) = L^2 alpha beta / 2`, and, given x, A_1 and A_2 are independent with variances `(alpha L)^3 / 12` and
-//! `(beta L)^3 / 12`, and only their sum S is given; `alpha^3 + beta^3 = 1 - 3 alpha beta`. So two normals n_1, n_2 per cut give
-//! two intervals of the same law as the whole: the tree can be refined for ever, and every integral of W is exact.
+//! because `cov(x, A) = L^2 alpha beta / 2`, and, given x, A_1 and A_2 are independent with variances
+//! `(alpha L)^3 / 12` and `(beta L)^3 / 12`, and only their sum S is given;
+//! `alpha^3 + beta^3 = 1 - 3 alpha beta`. So two normals n_1, n_2 per cut give two intervals of the same law
+//! as the whole: the tree can be refined for ever, and every integral of W is exact.
 
 /// Increment and area over an interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

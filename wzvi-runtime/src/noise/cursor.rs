@@ -1,9 +1,11 @@
-//! A position in the tree of one process. It keeps the pages that lead to a time, so that a time nearby costs only a few draws.
+//! A position in the tree of one process. It keeps the pages that lead to a time, so that a time nearby costs
+//! only a few draws.
 //!
-//! The descent to a time is a list of turns at cuts. A turn to the right passes an interval before the time, a turn to the left one
-//! after it. The increment between two times is the sum over the intervals passed after the two descents separate, and all of these
-//! lie between the two times. Nothing cancels, so that small increments at large times keep their digits. The sum is a function of
-//! the two times alone: the order of the queries changes nothing.
+//! The descent to a time is a list of turns at cuts. A turn to the right passes an interval before the time,
+//! a turn to the left one after it. The increment between two times is the sum over the intervals passed
+//! after the two descents separate, and all of these lie between the two times. Nothing cancels, so that
+//! small increments at large times keep their digits. The sum is a function of the two times alone: the order
+//! of the queries changes nothing.
 
 use super::bridge::{BridgeInterval, Scale, Span};
 use super::grid::{self, DEPTH, GridTime, NODES, Parting};
@@ -149,13 +151,15 @@ impl Cursor {
         sum.then(self.side(&Parting::Octaves, false))
     }
 
-    /// The part of the interval between two points on this cursor's side of the cut where their descents separate.
+    /// The part of the interval between two points on this cursor's side of the cut where their descents
+    /// separate.
     #[inline]
     fn side(&self, parting: &Parting, near: bool) -> Span {
         let start = match *parting {
             Parting::Octaves => 0,
             Parting::Page { stop: true, .. } if near => return Span::EMPTY,
-            // If both descents continue, each interval of the cut contains one of the points: neither was passed.
+            // If both descents continue, each interval of the cut contains one of the points: neither was
+            // passed.
             Parting::Page { page, cuts, stop } => usize::from(self.starts[page]) + cuts + usize::from(!stop),
         };
         let turns = self.turns[start..].iter();

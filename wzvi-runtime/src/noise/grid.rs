@@ -1,15 +1,18 @@
 //! Times as addresses in a fixed chain of nested grids.
 //!
-//! The half line t >= 0 is cut into the octaves [0, 1), [1, 2), [2, 4), [4, 8), ...; an octave into unit cells by halving, four
-//! halvings to a page; a unit cell by pages of 20 = 5 x 2 x 2 cells, whose edges are the decimal and the dyadic times, the fifth page
-//! of 12 = 2 x 2 x 3, so that thirds are met too. A time is snapped to the coarsest grid on which it lies up to a few ulps: `3.0 * 0.02` and `0.06` are one time. Negative times have a tree of their own, the mirror image.
+//! The half line t >= 0 is cut into the octaves [0, 1), [1, 2), [2, 4), [4, 8), ...; an octave into unit
+//! cells by halving, four halvings to a page; a unit cell by pages of 20 = 5 x 2 x 2 cells, whose edges are
+//! the decimal and the dyadic times, the fifth page of 12 = 2 x 2 x 3, so that thirds are met too. A time is
+//! snapped to the coarsest grid on which it lies up to a few ulps: `3.0 * 0.02` and `0.06` are one time.
+//! Negative times have a tree of their own, the mirror image.
 
 use std::sync::LazyLock;
 
 use super::bridge::Cut;
 use super::stream::PAIRS;
 
-/// Two times closer than this part of the larger of `BASE` and the time (in units of the tree) may be taken for one.
+/// Two times closer than this part of the larger of `BASE` and the time (in units of the tree) may be taken
+/// for one.
 const TOLERANCE: f64 = 1.0 / (1u64 << 50) as f64;
 /// Times below have the rounding errors of this one, because a run from there computes `start + n h`.
 const BASE: f64 = 1024.0;
@@ -186,7 +189,8 @@ impl Shape {
             let mut branch =
                 Branch { first: first as u8, middle: 0, left: 0, pair: 0, part, cut: Cut::default() };
             if end - first > 1 {
-                // The coarsest grid of the page with an edge inside; its edge nearest to the middle, the left one of two.
+                // The coarsest grid of the page with an edge inside; its edge nearest to the middle, the left
+                // one of two.
                 let mut width = cells;
                 for radix in radices {
                     width /= radix;
@@ -214,7 +218,8 @@ impl Shape {
 pub(super) enum Parting {
     /// In different octaves.
     Octaves,
-    /// In page `page`, after `cuts` common turns. `stop`: there the nearer point is the left edge of the interval reached.
+    /// In page `page`, after `cuts` common turns. `stop`: there the nearer point is the left edge of the
+    /// interval reached.
     Page {
         /// Depth of the page.
         page: usize,

@@ -1,13 +1,15 @@
 //! Everything random here: words, and two standard normals from three of them.
 //!
-//! The words are those of ChaCha with 8 rounds (D. J. Bernstein, "ChaCha, a variant of Salsa20", 2008): 64 bits each for the number of the block
-//! and of the stream. A block is a function of its address (key, stream, block), without state: [`block`] computes one, and where it is called in
-//! a loop over lanes, many beside each other. [`page`] has the first four of a stream from `rand_chacha`, which computes them at once; the tests
-//! say that both are the same generator.
+//! The words are those of ChaCha with 8 rounds (D. J. Bernstein, "ChaCha, a variant of Salsa20", 2008): 64
+//! bits each for the number of the block and of the stream. A block is a function of its address (key,
+//! stream, block), without state: [`block`] computes one, and where it is called in a loop over lanes, many
+//! beside each other. [`page`] has the first four of a stream from `rand_chacha`, which computes them at
+//! once; the tests say that both are the same generator.
 //!
-//! Normals have the polar form of Box and Muller, `sqrt(-2 ln u) (cos a, sin a)`. A fixed number of words per pair keeps every normal addressable.
-//! The logarithm, sine and cosine are computed from the polynomials of [`Lanes`](crate::algebra::lanes::Lanes) (errors below one ulp), because
-//! those of the platform differ in the last bit between targets: the same seed gives the same bits everywhere.
+//! Normals have the polar form of Box and Muller, `sqrt(-2 ln u) (cos a, sin a)`. A fixed number of words per
+//! pair keeps every normal addressable. The logarithm, sine and cosine are computed from the polynomials of
+//! [`Lanes`](crate::algebra::lanes::Lanes) (errors below one ulp), because those of the platform differ in
+//! the last bit between targets: the same seed gives the same bits everywhere.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -88,8 +90,8 @@ fn quarter_round(x: &mut [u32; 16], [a, b, c, d]: [usize; 4]) {
     x[b] = (x[b] ^ x[c]).rotate_left(7);
 }
 
-/// Two independent standard normals from 96 random bits: 53 for the radius, 43 for the angle. Both are finite and at most
-/// `sqrt(106 ln 2) = 8.57` in absolute value; the probability beyond is `1e-16`.
+/// Two independent standard normals from 96 random bits: 53 for the radius, 43 for the angle. Both are finite
+/// and at most `sqrt(106 ln 2) = 8.57` in absolute value; the probability beyond is `1e-16`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn pair(words: [u32; 3]) -> [f64; 2] {
     let high = (u64::from(words[0]) << 32) | u64::from(words[1]);
@@ -100,8 +102,8 @@ pub(crate) fn pair(words: [u32; 3]) -> [f64; 2] {
     [radius * cosine, radius * sine]
 }
 
-/// Sine and cosine of an angle uniform on the circle, from 43 bits: a quadrant and the middle of one of `2^41` cells of it, so
-/// that neither is ever zero and both are symmetric.
+/// Sine and cosine of an angle uniform on the circle, from 43 bits: a quadrant and the middle of one of
+/// `2^41` cells of it, so that neither is ever zero and both are symmetric.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn sin_cos(angle: u64) -> (f64, f64) {
     let quadrant = angle >> 41;
@@ -133,7 +135,8 @@ mod tests {
         ([0x9e37_79b9, 0x7f4a_7c15, 0, 1 << 31, 0, 0, 1, 0xabcd], 0x0123_4567_89ab_cdef, 3),
     ];
 
-    /// A block, one alone or one of many lanes, has the words that `rand_chacha` has at the same key, stream and position.
+    /// A block, one alone or one of many lanes, has the words that `rand_chacha` has at the same key, stream
+    /// and position.
     #[test]
     fn blocks_are_those_of_rand_chacha() {
         for (key, stream, number) in ADDRESSES {
@@ -193,8 +196,9 @@ mod tests {
         }
     }
 
-    /// Where the first 27 bits are zero the radius is beyond 6.1, and its tail is that of Rayleigh: given that it exceeds `r`,
-    /// `exp((r² - radius²)/2)` is uniform. Kolmogorov and Smirnov allow 2.5 once in 130 000.
+    /// Where the first 27 bits are zero the radius is beyond 6.1, and its tail is that of Rayleigh: given
+    /// that it exceeds `r`, `exp((r² - radius²)/2)` is uniform. Kolmogorov and Smirnov allow 2.5 once in
+    /// 130 000.
     #[test]
     fn beyond_six_deviations_the_law_is_the_same() {
         let n = 200_000_u64;

@@ -112,7 +112,8 @@ pub(crate) fn normals(words: &[u32; 16]) -> [f64; STEPS] {
     to
 }
 
-/// The normal of a cut: `key` is that of the uncut steps, `halving` counts from 1, and `cut < 2^{halving - 1}` within its step.
+/// The normal of a cut: `key` is that of the uncut steps, `halving` counts from 1, and
+/// `cut < 2^{halving - 1}` within its step.
 fn cut_normal(mut key: [u32; 8], path: u64, step: i64, halving: u32, cut: u64) -> f64 {
     // In absolute value at most 2^83, so that 85 bits in two's complement have it: step numbers are at most
     // 2^54.
@@ -130,9 +131,10 @@ fn cut_normal(mut key: [u32; 8], path: u64, step: i64, halving: u32, cut: u64) -
 /// A run that continues another, `.start(run.last().clone())`, has other noise than that one, since its time
 /// goes on. One that starts at `t = 0` again with the same seed repeats the noise: give it another seed.
 ///
-/// They are what [`Ensemble::seed`](crate::ensemble::Ensemble::seed) draws, and cost a small part of a Wiener path's increments: path `n` of an
-/// ensemble of seed `s` is driven by `StepNormals::seed(s).path(n)`, bit for bit. A step that a [`Retry`](crate::path::retry::Retry) halves gets
-/// the halves of its increment, by the Brownian bridge.
+/// They are what [`Ensemble::seed`](crate::ensemble::Ensemble::seed) draws, and cost a small part of a Wiener
+/// path's increments: path `n` of an ensemble of seed `s` is driven by `StepNormals::seed(s).path(n)`, bit
+/// for bit. A step that a [`Retry`](crate::path::retry::Retry) halves gets the halves of its increment, by
+/// the Brownian bridge.
 ///
 /// ```
 /// use wzvi_runtime::noise::{Interval, Noise, StepNormals};
@@ -281,8 +283,8 @@ impl StepNormals {
         if self.is_antithetic && self.path % 2 == 1 { -1.0 } else { 1.0 }
     }
 
-    /// The increment over the first part of a step, a fraction between 0 and 1 of it: by the halves that [`StepNormals::part`] has, to `2^-30` of
-    /// the step, and linear in between.
+    /// The increment over the first part of a step, a fraction between 0 and 1 of it: by the halves that
+    /// [`StepNormals::part`] has, to `2^-30` of the step, and linear in between.
     fn until(&mut self, process: usize, h: f64, step: i64, fraction: f64) -> f64 {
         let bound = self.clip(h);
         let mut dw = self.normal(process, h, step).clamp(-bound, bound) * h.abs().sqrt();
@@ -482,8 +484,9 @@ mod tests {
         }
     }
 
-    /// Parts have the variance of their length, and successive ones are not correlated, across the cuts too: 40 000 samples of each, whose
-    /// mean squares and products are known to 1/√20 000 and 1/√40 000; five such deviations.
+    /// Parts have the variance of their length, and successive ones are not correlated, across the cuts too:
+    /// 40 000 samples of each, whose mean squares and products are known to 1/√20 000 and 1/√40 000; five
+    /// such deviations.
     #[test]
     fn parts_are_wiener_increments() {
         let (h, halvings, n) = (0.5, 3_u32, 5000_u64);
@@ -499,7 +502,8 @@ mod tests {
         }
     }
 
-    /// The normals of steps of size `h` and `h/2` from one seed are not correlated: 10 000 products, five deviations of 1/100.
+    /// The normals of steps of size `h` and `h/2` from one seed are not correlated: 10 000 products, five
+    /// deviations of 1/100.
     #[test]
     fn step_sizes_share_nothing() {
         let of = |h: f64| {

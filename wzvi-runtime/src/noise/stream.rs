@@ -1,6 +1,7 @@
 //! Random words by address: one page of 64 words for every cell of the tree of every path.
 //!
-//! The address is laid out over the key and the stream number of ChaCha8, so that two different addresses never share a word:
+//! The address is laid out over the key and the stream number of ChaCha8, so that two different addresses
+//! never share a word:
 //!
 //! | bytes of the key | content |
 //! |---|---|
@@ -10,7 +11,8 @@
 //! | 24..28 | version of this layout and of the tree (a change of either changes every path) |
 //! | 28, 29, 30 | side of zero, octave, depth of the page (`grid`) |
 //!
-//! The stream number is the index of the cell among those of its octave and depth; the words are 0 to 63 of that stream. All integers are little-endian.
+//! The stream number is the index of the cell among those of its octave and depth; the words are 0 to 63 of
+//! that stream. All integers are little-endian.
 
 use super::random::{self, PAGE};
 

@@ -6,11 +6,12 @@
 //! zeta = clip(xi, +-A_h),   A_h = max(6, sqrt(2 k |ln h|)),   0 <= 1 - E zeta^2 <= max(1e-8, (1 + 2 A_h) h^k)
 //! ```
 //!
-//! The floor of 6 is ours: `|ln h|` is measured in the user's unit of time, and without it steps near one in that unit would lose a
-//! noticeable part of the noise (0.86 % of the variance for k = 4), however short they are physically.
+//! The floor of 6 is ours: `|ln h|` is measured in the user's unit of time, and without it steps near one in
+//! that unit would lose a noticeable part of the noise (0.86 % of the variance for k = 4), however short they
+//! are physically.
 //!
-//! An implicit step can have a pole at a finite increment; truncated increments stay away from it once h is small enough. Take k at
-//! least twice the strong order.
+//! An implicit step can have a pole at a finite increment; truncated increments stay away from it once h is
+//! small enough. Take k at least twice the strong order.
 
 use super::NoiseError;
 use crate::algebra::lanes::elementary::ln_shifted;
@@ -56,8 +57,9 @@ impl Truncation {
 /// The methods that set the truncation of a noise through `$with`: `|noise, truncation| noise`.
 macro_rules! truncation_setters {
     ($with:expr) => {
-        /// Truncates the increments of steps to `±A_h` of their standard deviations, `A_h = max(6, √(2 k |ln h|))`, `k >= 1`
-        /// ([`clip_bound`](crate::noise::clip_bound)). The path itself is not changed.
+        /// Truncates the increments of steps to `±A_h` of their standard deviations,
+        /// `A_h = max(6, √(2 k |ln h|))`, `k >= 1` ([`clip_bound`](crate::noise::clip_bound)). The path
+        /// itself is not changed.
         pub fn truncated(self, k: impl Into<f64>) -> Self {
             ($with)(self, crate::noise::Truncation::On(k.into()))
         }
@@ -73,7 +75,8 @@ pub(super) use truncation_setters;
 /// The least bound, in standard deviations.
 const FLOOR: f64 = 6.0;
 
-/// `A_h = max(6, sqrt(2 k |ln h|))`, the bound on a truncated increment in standard deviations; the same bits on all targets.
+/// `A_h = max(6, sqrt(2 k |ln h|))`, the bound on a truncated increment in standard deviations; the same bits
+/// on all targets.
 ///
 /// `h` is the step size (its sign does not matter), `k >= 1`.
 pub fn clip_bound(h: f64, k: f64) -> f64 {
@@ -110,7 +113,8 @@ mod tests {
         }
     }
 
-    /// Whatever the unit of time: no step loses more of the variance than 1e-8 where the published bound would be below the floor.
+    /// Whatever the unit of time: no step loses more of the variance than 1e-8 where the published bound
+    /// would be below the floor.
     #[test]
     fn steps_of_order_one_keep_their_variance() {
         for h in [1.0, 0.9, -2.0, 0.02, f64::MIN_POSITIVE, 5e-324] {

@@ -12,19 +12,21 @@ use crate::scheme::plan::Plan;
 
 /// Independent standard Wiener processes `W_k`, two-sided in time, `W_k(0) = 0`.
 ///
-/// `W_k(t)` is a function of `(seed, path, k, t)`: a virtual Brownian tree (Gaines and Lyons 1997; with space-time areas, Foster, Oberhauser
-/// and Lyons 2020). It is exact at every time and refined on demand. The same arguments give the same bits in any order of queries, on any
-/// machine.
+/// `W_k(t)` is a function of `(seed, path, k, t)`: a virtual Brownian tree (Gaines and Lyons 1997; with
+/// space-time areas, Foster, Oberhauser and Lyons 2020). It is exact at every time and refined on demand. The
+/// same arguments give the same bits in any order of queries, on any machine.
 ///
-/// * Times that differ by less than `2^-50` of the larger of 1024 units and the time (`9e-13` in general) may be taken for one; on a
-///   decimal or dyadic grid they always are, so that `3.0 * 0.02` and `0.06`, and the times of a run and of the run back, agree. On
-///   other times that holds for the same `f64` only. Steps off those grids should be large against it: the variance of an
-///   increment is right to `2e-12 / h`.
-/// * Steps of `1/2, 1/5, 1/10, 0.02, 2^-k, 10^-k` and so on cost a few draws; others some fifty, unless they are a simple part of the
-///   [`unit`](Wiener::unit).
-/// * An increment is a sum over intervals inside it: its relative accuracy is that of `f64`, also for small steps at large times.
+/// * Times that differ by less than `2^-50` of the larger of 1024 units and the time (`9e-13` in general) may
+///   be taken for one; on a decimal or dyadic grid they always are, so that `3.0 * 0.02` and `0.06`, and the
+///   times of a run and of the run back, agree. On other times that holds for the same `f64` only. Steps off
+///   those grids should be large against it: the variance of an increment is right to `2e-12 / h`.
+/// * Steps of `1/2, 1/5, 1/10, 0.02, 2^-k, 10^-k` and so on cost a few draws; others some fifty, unless they
+///   are a simple part of the [`unit`](Wiener::unit).
+/// * An increment is a sum over intervals inside it: its relative accuracy is that of `f64`, also for small
+///   steps at large times.
 ///
-/// Memory is allocated when a process, or a finer grid, is first met (4 to 13 kB for a process), and never again.
+/// Memory is allocated when a process, or a finer grid, is first met (4 to 13 kB for a process), and never
+/// again.
 #[derive(Clone, Debug)]
 pub struct Wiener {
     seed: u64,
@@ -77,8 +79,8 @@ impl Wiener {
 
     /// The unit of time of the tree (the default is 1): `W(t) = sqrt(unit) B(t / unit)`.
     ///
-    /// Simple fractions and multiples of the unit take few draws. Use `unit(h)` for a step size that is not decimal, dyadic or a third. Runs
-    /// share a path only if they have the same unit.
+    /// Simple fractions and multiples of the unit take few draws. Use `unit(h)` for a step size that is not
+    /// decimal, dyadic or a third. Runs share a path only if they have the same unit.
     pub fn unit(self, unit: f64) -> Self {
         Self { unit, reached: NOWHERE, ..self.twin() }
     }
@@ -122,7 +124,8 @@ impl Wiener {
         Ok(sign * ((to - from) * start + area))
     }
 
-    /// `int_a^b (W(s) - W(a)) ds` of a process, `a <= b`: the integral over a step without that of its left end.
+    /// `int_a^b (W(s) - W(a)) ds` of a process, `a <= b`: the integral over a step without that of its left
+    /// end.
     ///
     /// # Errors
     /// [`NoiseError::Time`], [`NoiseError::Unit`].
@@ -132,7 +135,8 @@ impl Wiener {
         cursor.seek(&from);
         let span = cursor.advance(&to);
         let span = if from.after(&to) {
-            // The span runs from b to a: int_a^b (W(s) - W(a)) ds = -(int_b^a (W(s) - W(b)) ds - (a - b) (W(a) - W(b))).
+            // The span runs from b to a: int_a^b (W(s) - W(a)) ds = -(int_b^a (W(s) - W(b)) ds - (a - b)
+            // (W(a) - W(b))).
             -(span.integral - span.length * span.w)
         } else {
             span.integral
@@ -200,7 +204,8 @@ impl Wiener {
     }
 }
 
-/// The least step in units of the distance below which times may be taken for one: its variance is that of its length to a part in 512.
+/// The least step in units of the distance below which times may be taken for one: its variance is that of
+/// its length to a part in 512.
 const LEAST_STEP: f64 = 1024.0;
 
 #[cold]
@@ -215,7 +220,8 @@ pub(super) fn check_step(h: f64) -> Result<(), NoiseError> {
     if h.is_finite() && h != 0.0 { Ok(()) } else { Err(NoiseError::StepSize(h)) }
 }
 
-/// The times at fractions of a step of size `h` from the start of `interval` on: its ends are the times of the run.
+/// The times at fractions of a step of size `h` from the start of `interval` on: its ends are the times of
+/// the run.
 pub(super) fn times_within(interval: &Interval, h: f64, part: [f64; 2]) -> [f64; 2] {
     part.map(|fraction| {
         if fraction == 1.0 && h == interval.h { interval.end() } else { interval.begin() + fraction * h }

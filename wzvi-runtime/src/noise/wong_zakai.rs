@@ -7,8 +7,9 @@
 //! W_eps(t) = (1/eps) int_{t - eps/2}^{t + eps/2} W(s) ds    dW_eps/dt = (W(t + eps/2) - W(t - eps/2)) / eps
 //! ```
 //!
-//! A step uses the velocity at one point, `delta_i = h dW_eps/dt`, or the increment of `W_eps` ([`Sampling`]). The example `paper`
-//! measures the errors of both (J. Cresson, R. Safi, *Dynamics of stochastic Hamiltonian systems I: Wong-Zakai variational integrators*).
+//! A step uses the velocity at one point, `delta_i = h dW_eps/dt`, or the increment of `W_eps`
+//! ([`Sampling`]). The example `paper` measures the errors of both (J. Cresson, R. Safi, *Dynamics of
+//! stochastic Hamiltonian systems I: Wong-Zakai variational integrators*).
 
 use super::grid::GridTime;
 use super::truncation::truncation_setters;
@@ -17,20 +18,21 @@ use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
 use crate::scheme::plan::Plan;
 
-/// Which increments a step of length h from t_i gets. With rho = eps / h and f the fractional part of rho, the sampled ones converge
-/// for h -> 0 at fixed rho to noises multiplied by `sqrt(v)`, `v = 1 + f (1 - f) / rho^2`: right iff rho is an integer (and `v = 1 / rho` for
-/// rho < 1).
+/// Which increments a step of length h from t_i gets. With rho = eps / h and f the fractional part of rho,
+/// the sampled ones converge for h -> 0 at fixed rho to noises multiplied by `sqrt(v)`,
+/// `v = 1 + f (1 - f) / rho^2`: right iff rho is an integer (and `v = 1 / rho` for rho < 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Sampling {
     /// `(h/eps) (W(t_i + eps) - W(t_i))`. For h = eps these are the increments of the path.
     #[default]
     Left,
-    /// The centred kernel at the middle of the step, `(h/eps) (W(m + eps/2) - W(m - eps/2))`, `m = t_i + h/2`. For h = eps these are the
-    /// increments of the path.
+    /// The centred kernel at the middle of the step, `(h/eps) (W(m + eps/2) - W(m - eps/2))`,
+    /// `m = t_i + h/2`. For h = eps these are the increments of the path.
     Centred,
-    /// The paper's kernel taken literally at the quadrature point of the mid-point embedding, `(h/eps) (W(m + eps) - W(m))`. For h = eps that
-    /// shifts the path by h/2 and lowers the strong order to 1/2.
+    /// The paper's kernel taken literally at the quadrature point of the mid-point embedding,
+    /// `(h/eps) (W(m + eps) - W(m))`. For h = eps that shifts the path by h/2 and lowers the strong order to
+    /// 1/2.
     Literal,
     /// `W_eps(t_i + h) - W_eps(t_i)`, exactly.
     Exact,
@@ -164,7 +166,8 @@ impl WongZakai {
 
     /// Standard deviation of the increments of steps of size h.
     ///
-    /// The sampled ones have variance `h^2 / eps`; the exact ones `h^2 / eps (1 - h / (3 eps))` for h <= eps, else `h - eps / 3`.
+    /// The sampled ones have variance `h^2 / eps`; the exact ones `h^2 / eps (1 - h / (3 eps))` for h <= eps,
+    /// else `h - eps / 3`.
     pub fn deviation(&self, h: f64) -> f64 {
         let (h, eps) = (h.abs(), self.eps);
         match self.sampling {
@@ -176,9 +179,11 @@ impl WongZakai {
         }
     }
 
-    /// The times `t_i + offset`, `t_i + offset + eps`, `t_i + h + offset`, `t_i + h + offset + eps` for t_i the earlier end of a step.
+    /// The times `t_i + offset`, `t_i + offset + eps`, `t_i + h + offset`, `t_i + h + offset + eps` for t_i
+    /// the earlier end of a step.
     ///
-    /// Where eps is a multiple of h they are computed as times of steps, so that they are the very times that other steps have.
+    /// Where eps is a multiple of h they are computed as times of steps, so that they are the very times that
+    /// other steps have.
     fn times(&self, interval: &Interval) -> [f64; 4] {
         let h = interval.h.abs();
         let forward = interval.h > 0.0;

@@ -10,8 +10,8 @@ const CHAOTIC: f64 = 4.0;
 /// The decimal logarithm of SALI below which a path is chaotic: rounding leaves -16.
 const ALIGNED: f64 = -12.0;
 
-/// Figures of a map of chaos: [`ChaosMap::plot`] begins them. Each method returns a [`Figure`] with a cell for each start, in the plane of two
-/// variables by name.
+/// Figures of a map of chaos: [`ChaosMap::plot`] begins them. Each method returns a [`Figure`] with a cell
+/// for each start, in the plane of two variables by name.
 #[derive(Clone, Copy, Debug)]
 #[must_use = "nothing is drawn before `write`"]
 pub struct ChaosMapPlot<'a, V> {
@@ -28,7 +28,8 @@ impl<V: Vector> ChaosMap<V> {
 }
 
 impl<V: Vector> ChaosMapPlot<'_, V> {
-    /// The mean of MEGNO, from 0 to 4: near 2 in islands of regular motion, and at the end of the bar in the chaotic sea.
+    /// The mean of MEGNO, from 0 to 4: near 2 in islands of regular motion, and at the end of the bar in the
+    /// chaotic sea.
     ///
     /// # Errors
     /// [`UnknownName`] for a variable that is not there.
@@ -77,7 +78,8 @@ impl<V: Vector> ChaosMapPlot<'_, V> {
     }
 }
 
-/// The distance of neighbours: of a grid its spacing, else that of as many points in equal distances as there are in a row of so many.
+/// The distance of neighbours: of a grid its spacing, else that of as many points in equal distances as there
+/// are in a row of so many.
 fn width(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -22,7 +22,8 @@ use crate::error::PlotError;
 const DRAWN: usize = 2500;
 /// Lines that have more points even then are drawn as dots.
 const MOST_JOINED: usize = 20_000;
-/// Told apart with every kind of colour vision (Okabe and Ito), in the order of [`Colour`]. A page maps them to lighter ones in the dark.
+/// Told apart with every kind of colour vision (Okabe and Ito), in the order of [`Colour`]. A page maps them
+/// to lighter ones in the dark.
 const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -33,7 +34,8 @@ const PALETTE: [RGBColor; 8] = [
     RGBColor(96, 96, 96),
     INK,
 ];
-/// From low to high, told apart with every kind of colour vision, and in print by their lightness (S. van der Walt, N. Smith, "viridis").
+/// From low to high, told apart with every kind of colour vision, and in print by their lightness (S. van der
+/// Walt, N. Smith, "viridis").
 const SCALE: [RGBColor; 10] = [
     RGBColor(68, 1, 84),
     RGBColor(72, 40, 120),
@@ -70,7 +72,8 @@ pub(crate) struct Plot<'a> {
     x: (f64, f64),
     y: (f64, f64),
     scale: i32,
-    /// Whether letters are drawn in the font of this library, which has no raised minus; browsers take their own.
+    /// Whether letters are drawn in the font of this library, which has no raised minus; browsers take their
+    /// own.
     is_bitmap: bool,
 }
 
@@ -366,8 +369,8 @@ impl<'a> Plot<'a> {
         }
     }
 
-    /// A line through points. In pixels its pieces are drawn one by one with round joints: the corners that the backend would draw
-    /// grow without bound as the angle between pieces falls.
+    /// A line through points. In pixels its pieces are drawn one by one with round joints: the corners that
+    /// the backend would draw grow without bound as the angle between pieces falls.
     fn line<B: DrawingBackend>(
         &self,
         area: &DrawingArea<B, Shift>,
@@ -419,8 +422,8 @@ impl<'a> Plot<'a> {
     }
 }
 
-/// A line with the same pixels and fewer points: of neighbours in one column of pixels the first, the lowest, the highest and the last, in
-/// their order.
+/// A line with the same pixels and fewer points: of neighbours in one column of pixels the first, the lowest,
+/// the highest and the last, in their order.
 fn thinned(points: &[(i32, i32)]) -> Vec<(i32, i32)> {
     let mut thin: Vec<(i32, i32)> = Vec::new();
     for column in points.chunk_by(|a, b| a.0 == b.0) {

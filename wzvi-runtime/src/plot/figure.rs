@@ -156,7 +156,8 @@ impl Figure {
         Self { id, title, shows: String::new(), x, y, shades: None, series: vec![], has_equal_axes: false }
     }
 
-    /// An empty figure with linear axes, for a [`Sheet`](super::Sheet). Labels carry the unit: `"time t [1/ω]"`.
+    /// An empty figure with linear axes, for a [`Sheet`](super::Sheet). Labels carry the unit:
+    /// `"time t [1/ω]"`.
     pub fn panel(title: impl Into<String>, x: impl Into<String>, y: impl Into<String>) -> Self {
         Self::new("", title, Axis::linear(x), Axis::linear(y))
     }
@@ -210,8 +211,8 @@ impl Figure {
         self
     }
 
-    /// Sets the limits of the horizontal axis; lines are interrupted where they leave it. Limits that are no range are an error when the figure is
-    /// drawn ([`PlotError::Range`](crate::error::PlotError::Range)).
+    /// Sets the limits of the horizontal axis; lines are interrupted where they leave it. Limits that are no
+    /// range are an error when the figure is drawn ([`PlotError::Range`](crate::error::PlotError::Range)).
     #[must_use]
     pub fn x_range(mut self, range: Range<f64>) -> Self {
         self.x.range = Some((range.start, range.end));
@@ -248,7 +249,8 @@ impl Figure {
         self.points(Look::Line, name, colour, points)
     }
 
-    /// Adds the dashed line `y = c x^order` between two abscissae: a straight one where both axes are logarithmic.
+    /// Adds the dashed line `y = c x^order` between two abscissae: a straight one where both axes are
+    /// logarithmic.
     #[must_use]
     pub fn slope(self, name: impl Into<String>, order: f64, c: f64, ends: [f64; 2]) -> Self {
         self.points(Look::Dashed, name, Colour::GREY, ends.map(|x| (x, c * x.powf(order))))

@@ -43,7 +43,8 @@ impl Layout {
         Self::below(figure, size, 38, Some((MARGIN, 8)))
     }
 
-    /// The layout for a page, which has the title above the drawing: a legend of several rows makes it higher.
+    /// The layout for a page, which has the title above the drawing: a legend of several rows makes it
+    /// higher.
     pub(crate) fn untitled(figure: &Figure, (width, height): (i32, i32)) -> Self {
         let top = 12;
         let rows = Self::below(figure, (width, height), top, None).frame[1] - top;

@@ -9,8 +9,8 @@ use crate::scheme::system::Hamiltonian;
 /// Degrees of freedom that are shown by default: as many as there are colours.
 pub(super) const SHOWN: usize = 6;
 
-/// Figures of a path: [`Trajectory::plot`] begins them. Each method returns a [`Figure`]: [`Figure::write`] draws it as SVG or PNG, and a
-/// [`Sheet`](super::Sheet) puts it beside others.
+/// Figures of a path: [`Trajectory::plot`] begins them. Each method returns a [`Figure`]: [`Figure::write`]
+/// draws it as SVG or PNG, and a [`Sheet`](super::Sheet) puts it beside others.
 #[derive(Debug)]
 #[must_use = "nothing is drawn before `write`"]
 pub struct PathPlot<'a, V, E> {
@@ -27,8 +27,8 @@ enum Variable {
 }
 
 impl<V: Vector, E> Trajectory<V, E> {
-    /// The path as figures, with the names of the closure: of the first six degrees of freedom, or of those that
-    /// [`PathPlot::degrees`] names. They show the recorded nodes.
+    /// The path as figures, with the names of the closure: of the first six degrees of freedom, or of those
+    /// that [`PathPlot::degrees`] names. They show the recorded nodes.
     ///
     /// `path.plot().phase_portrait().write("portrait.svg")?` draws one.
     pub fn plot(&self) -> PathPlot<'_, V, E> {
@@ -45,8 +45,8 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         self
     }
 
-    /// Momenta against coordinates, a curve for each degree of freedom. A path that fills the plane, such as one with noise and many nodes, is drawn as
-    /// dots.
+    /// Momenta against coordinates, a curve for each degree of freedom. A path that fills the plane, such as
+    /// one with noise and many nodes, is drawn as dots.
     pub fn phase_portrait(&self) -> Figure {
         let all: Vec<(usize, [String; 2])> = self.named().collect();
         let labels =
@@ -60,8 +60,8 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         figure
     }
 
-    /// One variable against another, by their names in the closure: coordinates, momenta or time, of any degree of freedom. Two coordinates, or two
-    /// momenta, have equal axes.
+    /// One variable against another, by their names in the closure: coordinates, momenta or time, of any
+    /// degree of freedom. Two coordinates, or two momenta, have equal axes.
     ///
     /// `path.plot().orbit("x", "y")?.write("orbit.svg")?` draws the orbit of a particle in a plane.
     ///
@@ -106,8 +106,8 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         figure
     }
 
-    /// The drift Hamiltonian of the system and its proven first integrals, each minus its value at the start, against time: absolute, in
-    /// their own units.
+    /// The drift Hamiltonian of the system and its proven first integrals, each minus its value at the start,
+    /// against time: absolute, in their own units.
     pub fn energy_drift<H: Hamiltonian<Vector = V>>(&self, system: &H) -> Figure {
         let mut figure =
             Figure::panel("What should be kept", self.path.variables().t, "change since the start");
@@ -120,7 +120,8 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         figure
     }
 
-    /// The crossings of the sections of the run ([`Simulation::section`](crate::path::simulate::Simulation::section)): momenta against coordinates of
+    /// The crossings of the sections of the run
+    /// ([`Simulation::section`](crate::path::simulate::Simulation::section)): momenta against coordinates of
     /// the first degree of freedom that is shown, with a colour for each section.
     pub fn section(&self) -> Figure {
         let Some((degree, [q, p])) = self.named().next() else { return Figure::panel("Section", "", "") };

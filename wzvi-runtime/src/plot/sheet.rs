@@ -53,8 +53,8 @@ impl Sheet {
         drawn_png(self.whole(), &self.plots())
     }
 
-    /// Writes the sheet as SVG or PNG, by the end of the name; PNG needs the feature `plot`. The folder of the file is made if it is not
-    /// there, and the file appears complete or not at all.
+    /// Writes the sheet as SVG or PNG, by the end of the name; PNG needs the feature `plot`. The folder of
+    /// the file is made if it is not there, and the file appears complete or not at all.
     ///
     /// # Errors
     /// [`PlotError`]: another ending, PNG without its feature, or the file cannot be written.
@@ -87,8 +87,8 @@ impl Sheet {
 }
 
 impl Figure {
-    /// Writes the figure, with its title and legend, as SVG or PNG: [`Sheet::write`] of one figure of 1280 by 880 pixels, or 1280 by 1280
-    /// where the axes are equal.
+    /// Writes the figure, with its title and legend, as SVG or PNG: [`Sheet::write`] of one figure of 1280 by
+    /// 880 pixels, or 1280 by 1280 where the axes are equal.
     ///
     /// # Errors
     /// The errors of [`Sheet::write`].

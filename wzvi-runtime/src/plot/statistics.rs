@@ -5,8 +5,8 @@ use super::path::SHOWN;
 use crate::error::StatisticsError;
 use crate::statistics::{Statistics, StatisticsNode};
 
-/// Figures of an ensemble: [`Statistics::plot`] begins them. Each method returns a [`Figure`]: [`Figure::write`] draws it as SVG or PNG, and a
-/// [`Sheet`](super::Sheet) puts it beside others.
+/// Figures of an ensemble: [`Statistics::plot`] begins them. Each method returns a [`Figure`]:
+/// [`Figure::write`] draws it as SVG or PNG, and a [`Sheet`](super::Sheet) puts it beside others.
 #[derive(Clone, Copy, Debug)]
 #[must_use = "nothing is drawn before `write`"]
 pub struct StatisticsPlot<'a> {
@@ -23,7 +23,8 @@ impl Statistics {
 }
 
 impl StatisticsPlot<'_> {
-    /// The mean of each of the first six observables against time, between dashed lines two standard errors away.
+    /// The mean of each of the first six observables against time, between dashed lines two standard errors
+    /// away.
     pub fn means(&self) -> Figure {
         let mut figure = Figure::panel("Means, ± 2 standard errors", "t", "");
         for (observable, name) in self.statistics.observables().iter().take(SHOWN).enumerate() {
@@ -60,11 +61,12 @@ impl StatisticsPlot<'_> {
         Ok(figure)
     }
 
-    /// An observable of each kept path, at this many of the last recorded times, against a parameter that depends on the number of the path: a sweep,
-    /// or a bifurcation diagram.
+    /// An observable of each kept path, at this many of the last recorded times, against a parameter that
+    /// depends on the number of the path: a sweep, or a bifurcation diagram.
     ///
     /// # Errors
-    /// [`StatisticsError::Unknown`] for a name that does not exist, [`StatisticsError::NotComputed`] if the run did not keep its paths.
+    /// [`StatisticsError::Unknown`] for a name that does not exist, [`StatisticsError::NotComputed`] if the
+    /// run did not keep its paths.
     pub fn sweep(
         &self,
         name: &str,

@@ -9,7 +9,8 @@ use crate::saving::file;
 
 /// A table is cut to about so many rows on the page; its file has all.
 const ROWS: usize = 120;
-/// Width and height of a drawing without its legend. Half the width of a large screen and all of a small one show its letters at a legible size.
+/// Width and height of a drawing without its legend. Half the width of a large screen and all of a small one
+/// show its letters at a legible size.
 const DRAWN: (i32, i32) = (440, 310);
 
 /// A page in the making: [`Document::write`] writes it with the files of its figures.
@@ -124,8 +125,8 @@ impl Document {
         }
     }
 
-    /// Writes `index.html` and, for each figure, `<id>.svg`, `<id>.png` and `<id>.csv` into a folder, which is made if it is not
-    /// there.
+    /// Writes `index.html` and, for each figure, `<id>.svg`, `<id>.png` and `<id>.csv` into a folder, which
+    /// is made if it is not there.
     ///
     /// # Errors
     /// [`ReportError::File`] with the path that could not be written, [`ReportError::Plot`].

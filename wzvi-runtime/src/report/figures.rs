@@ -75,8 +75,8 @@ impl Report {
             .text(self.conditions())
     }
 
-    /// Writes `measurements.csv`, `measurements.json`, plots as SVG and PNG with their numbers as CSV, and `index.html` into a
-    /// folder, which is made if it is not there.
+    /// Writes `measurements.csv`, `measurements.json`, plots as SVG and PNG with their numbers as CSV, and
+    /// `index.html` into a folder, which is made if it is not there.
     ///
     /// # Errors
     /// [`ReportError::File`] with the path that could not be written. A file is there complete or not at all.

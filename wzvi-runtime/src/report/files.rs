@@ -6,8 +6,9 @@ use std::path::Path;
 use super::ReportError;
 use crate::saving::file;
 
-/// Writes a file under a temporary name in the same folder and renames it: a reader, or a run that was killed, sees the old file or the new one.
-/// Symbolic links are followed; anything but a regular file is refused.
+/// Writes a file under a temporary name in the same folder and renames it: a reader, or a run that was
+/// killed, sees the old file or the new one. Symbolic links are followed; anything but a regular file is
+/// refused.
 ///
 /// # Errors
 /// [`ReportError::File`] with the path asked for; nothing is left behind then.

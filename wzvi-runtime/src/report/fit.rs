@@ -1,16 +1,17 @@
 //! The slope of error against step size, on the part of the curve that has one.
 //!
-//! With error `e_k ± s_k` at step size h_k, the line `ln e = ln c + slope ln h` is fitted by least squares with the weights
-//! `1 / σ_k^2`, `σ_k^2 = (s_k / e_k)^2 + MODEL^2`; MODEL is how far from a straight line an honest power law may be. The longest
-//! run of consecutive step sizes is taken that
+//! With error `e_k ± s_k` at step size h_k, the line `ln e = ln c + slope ln h` is fitted by least squares
+//! with the weights `1 / σ_k^2`, `σ_k^2 = (s_k / e_k)^2 + MODEL^2`; MODEL is how far from a straight line an
+//! honest power law may be. The longest run of consecutive step sizes is taken that
 //!
-//! * has at least [`LEAST`] points and is straight: `χ^2 / (n - 2) <= STRAIGHT`, no residual beyond `3 σ`, and the slopes of its
-//!   two halves differ by no more than `BEND` and the standard error of that difference,
+//! * has at least [`LEAST`] points and is straight: `χ^2 / (n - 2) <= STRAIGHT`, no residual beyond `3 σ`,
+//!   and the slopes of its two halves differ by no more than `BEND` and the standard error of that
+//!   difference,
 //! * falls: slope at least [`FLAT`].
 //!
 //! Among runs of the same length the one with the smallest steps wins. Points to its left (larger steps) are
-//! pre-asymptotic, points to its right the plateau: an error that smaller steps do not lower, be it rounding, the reference
-//! or a wrong limit.
+//! pre-asymptotic, points to its right the plateau: an error that smaller steps do not lower, be it rounding,
+//! the reference or a wrong limit.
 
 use serde::{Deserialize, Serialize};
 

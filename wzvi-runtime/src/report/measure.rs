@@ -31,9 +31,10 @@ pub(super) struct Setup<'a, V> {
 
 /// How much error several schemes make for how much time: [`WorkPrecision::run`] measures it.
 ///
-/// A start, an end, step sizes, a reference and at least one scheme are needed. The paths are those of one seed: every
-/// scheme, every step size and the reference see the same Wiener paths: [thermostats](crate::scheme::bath), too, whose normals are increments of one Wiener
-/// process for each degree of freedom, after those of the noises.
+/// A start, an end, step sizes, a reference and at least one scheme are needed. The paths are those of one
+/// seed: every scheme, every step size and the reference see the same Wiener paths:
+/// [thermostats](crate::scheme::bath), too, whose normals are increments of one Wiener process for each
+/// degree of freedom, after those of the noises.
 #[must_use = "nothing is measured before `run`"]
 pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) system: &'a H,
@@ -80,7 +81,8 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
 
     options!(start, execution);
 
-    /// The end of every path, in the time units of the Hamiltonian: a whole number of steps of each size away.
+    /// The end of every path, in the time units of the Hamiltonian: a whole number of steps of each size
+    /// away.
     pub fn until(mut self, end: f64) -> Self {
         self.setup.span.end.set("until", Brief(end), End::Time(end));
         self
@@ -110,7 +112,8 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         self
     }
 
-    /// Drives the steps by a noise that is made from the Wiener path: `.noise(|wiener| WongZakai::of(wiener, 0.02).exact())`.
+    /// Drives the steps by a noise that is made from the Wiener path:
+    /// `.noise(|wiener| WongZakai::of(wiener, 0.02).exact())`.
     pub fn noise<N: Paths + Clone + Send + Sync + 'a>(
         mut self,
         driver: impl Fn(Wiener) -> N + Send + Sync + 'a,
@@ -119,7 +122,8 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         self
     }
 
-    /// Compares with an exact solution `exact(t, wiener)`, `wiener[k] = W_k(t) - W_k(t_0)`: those of the noises, and then those of a bath.
+    /// Compares with an exact solution `exact(t, wiener)`, `wiener[k] = W_k(t) - W_k(t_0)`: those of the
+    /// noises, and then those of a bath.
     pub fn exact(mut self, exact: impl Fn(f64, &[f64]) -> State<H::Vector> + Send + Sync + 'a) -> Self {
         self.reference.set("exact", SOME, Reference::Exact(Box::new(exact)));
         self
@@ -179,8 +183,8 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         self
     }
 
-    /// Shows points measured elsewhere beside these: a CSV file with lines `name,seconds,error`, one path each, with or
-    /// without a line of headings. [`WorkPrecision::run`] reports what is wrong with it.
+    /// Shows points measured elsewhere beside these: a CSV file with lines `name,seconds,error`, one path
+    /// each, with or without a line of headings. [`WorkPrecision::run`] reports what is wrong with it.
     pub fn overlay_csv(mut self, path: impl AsRef<std::path::Path>) -> Self {
         match Overlay::read(path.as_ref()) {
             Ok(points) => self.overlay.extend(points),

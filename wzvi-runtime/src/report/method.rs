@@ -33,11 +33,12 @@ pub(super) struct Paths<'a, 'n, V> {
     pub(super) noise: Shifted<'n>,
 }
 
-/// Runs paths and passes their recorded nodes to the last argument; returns the error of the first path that failed. `None` if Ctrl-C stopped the run.
-/// Its own errors are not those of a step.
+/// Runs paths and passes their recorded nodes to the last argument; returns the error of the first path that
+/// failed. `None` if Ctrl-C stopped the run. Its own errors are not those of a step.
 type RunPaths<H, V> = fn(&H, Paths<'_, '_, V>, See<'_, V>) -> Result<Option<Option<Error>>, Error>;
 
-/// How long several paths take, one after the other, so many times over, and the Newton iterations of one pass; nothing but steps is inside.
+/// How long several paths take, one after the other, so many times over, and the Newton iterations of one
+/// pass; nothing but steps is inside.
 type TimePaths<H, V> = fn(&H, &[Given<'_, V>], u32) -> Result<(Duration, Iterations), Error>;
 
 /// One embedding of a system.

@@ -22,8 +22,9 @@
 //! * the weak errors of observables, with 95 % confidence intervals;
 //! * the drift Hamiltonian: its linear trend over the run and the oscillation about that;
 //! * failed steps (counted, not fatal) and Newton iterations;
-//! * the run time: increments are drawn into memory first and timed by themselves, then the steps alone. After a warm-up
-//!   the timings of all schemes and step sizes take turns, to and fro; medians and quartiles are given.
+//! * the run time: increments are drawn into memory first and timed by themselves, then the steps alone.
+//!   After a warm-up the timings of all schemes and step sizes take turns, to and fro; medians and quartiles
+//!   are given.
 //!
 //! Slopes are fitted on the part of the curve that is straight ([`fit`]).
 

@@ -1,8 +1,9 @@
 //! The noise of a measurement: that of paths from some number on, the same for all schemes.
 //!
-//! A thermostat with one O part in a step is driven by one Wiener process `W` for each degree of freedom. A thermostat with two O parts is driven by
-//! two, `W_1` and `W_2`, and converges to the path of `(W_1 + W_2) / √2`. With `W_{1,2} = (W ± W') / √2` and an independent `W'`, these are independent
-//! Wiener processes, and both thermostats converge to the path of `W`.
+//! A thermostat with one O part in a step is driven by one Wiener process `W` for each degree of freedom. A
+//! thermostat with two O parts is driven by two, `W_1` and `W_2`, and converges to the path of
+//! `(W_1 + W_2) / √2`. With `W_{1,2} = (W ± W') / √2` and an independent `W'`, these are independent Wiener
+//! processes, and both thermostats converge to the path of `W`.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -10,7 +11,8 @@ use crate::increments::{Identity, Interval, Noise, NoiseError};
 use crate::noise::{Driver, Paths};
 use crate::scheme::plan::Plan;
 
-/// A noise whose path 0 is path `first` of another, for a system of so many degrees of freedom and noises beside its bath.
+/// A noise whose path 0 is path `first` of another, for a system of so many degrees of freedom and noises
+/// beside its bath.
 pub(super) struct Shifted<'a> {
     pub(super) noise: Box<dyn Driver + 'a>,
     pub(super) first: u64,

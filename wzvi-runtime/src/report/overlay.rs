@@ -19,7 +19,8 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// Reads lines `name,seconds,error`; a first line whose numbers are words is a heading, `#` begins a comment.
+    /// Reads lines `name,seconds,error`; a first line whose numbers are words is a heading, `#` begins a
+    /// comment.
     ///
     /// # Errors
     /// [`ReportError::File`], [`ReportError::Overlay`].

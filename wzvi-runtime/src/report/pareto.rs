@@ -33,8 +33,8 @@ impl Choice<'_> {
 }
 
 impl Report {
-    /// The measurements that no other beats in both error and time, the fastest first. Only schemes and step sizes that never
-    /// failed, of schemes that converge, count.
+    /// The measurements that no other beats in both error and time, the fastest first. Only schemes and step
+    /// sizes that never failed, of schemes that converge, count.
     pub fn pareto(&self) -> Vec<&Cell> {
         let mut cells: Vec<(f64, &Cell)> = self.candidates().collect();
         cells.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.strong.value.total_cmp(&b.1.strong.value)));

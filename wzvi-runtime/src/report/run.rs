@@ -28,14 +28,15 @@ impl<'a, H> WorkPrecision<'a, H>
 where
     H: Hamiltonian + Sync,
 {
-    /// Runs the measurement. Its [handle](WorkPrecision::handle), or [`WorkPrecision::stop_when`], ends it early: the report then holds what was measured until then.
-    /// A terminal shows progress and the remaining time.
+    /// Runs the measurement. Its [handle](WorkPrecision::handle), or [`WorkPrecision::stop_when`], ends it
+    /// early: the report then holds what was measured until then. A terminal shows progress and the remaining
+    /// time.
     ///
     /// A step that fails ends its path and is counted.
     ///
     /// # Errors
-    /// [`Error::Config`] for settings that are missing or invalid, [`Error::Noise`] if there are no increments,
-    /// [`Error::Step`] if the reference fails, [`Error::Report`] for an unusable overlay.
+    /// [`Error::Config`] for settings that are missing or invalid, [`Error::Noise`] if there are no
+    /// increments, [`Error::Step`] if the reference fails, [`Error::Report`] for an unusable overlay.
     pub fn run(mut self) -> Result<Report, Error> {
         if let Some(error) = self.failed.take() {
             return Err(error);

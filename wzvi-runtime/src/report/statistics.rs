@@ -1,7 +1,7 @@
 //! Estimators with their standard errors.
 //!
-//! Over n paths with values x_i: mean m and standard error `s / sqrt(n)`, `s^2 = Σ (x_i - m)^2 / (n - 1)`; root mean square
-//! `r = sqrt(Σ x_i^2 / n)` with standard error `se(x^2) / (2 r)` (the delta method).
+//! Over n paths with values x_i: mean m and standard error `s / sqrt(n)`, `s^2 = Σ (x_i - m)^2 / (n - 1)`;
+//! root mean square `r = sqrt(Σ x_i^2 / n)` with standard error `se(x^2) / (2 r)` (the delta method).
 
 use serde::{Deserialize, Serialize};
 

@@ -1,13 +1,14 @@
-//! Files that appear complete or not at all: whatever happens, the name refers to the old contents or to the new ones.
+//! Files that appear complete or not at all: whatever happens, the name refers to the old contents or to the
+//! new ones.
 //!
-//! Content is written under a temporary name in the same folder, flushed to the disk, and then renamed; the folder is
-//! flushed after that.
+//! Content is written under a temporary name in the same folder, flushed to the disk, and then renamed; the
+//! folder is flushed after that.
 //!
-//! * The temporary name is this writer's own: `.wzvi-<checksum of the name>-<random>.part`, created anew, never
-//!   opened if it exists, and locked while its writer lives. A lock that is free marks a file left behind by a
-//!   process that was killed ([`remove_parts`]).
-//! * A symbolic link stays, and the file that it leads to is replaced. Permissions stay, too. Another hard link to the
-//!   old content keeps it.
+//! * The temporary name is this writer's own: `.wzvi-<checksum of the name>-<random>.part`, created anew,
+//!   never opened if it exists, and locked while its writer lives. A lock that is free marks a file left
+//!   behind by a process that was killed ([`remove_parts`]).
+//! * A symbolic link stays, and the file that it leads to is replaced. Permissions stay, too. Another hard
+//!   link to the old content keeps it.
 //! * A device, a pipe, a folder or a read-only file is refused, untouched.
 
 use std::fs::{self, File, Metadata, TryLockError};
@@ -86,7 +87,8 @@ impl Target {
     }
 }
 
-/// New content of a file, complete and on the disk, which does not have its name yet; without [`Staged::publish`] it goes.
+/// New content of a file, complete and on the disk, which does not have its name yet; without
+/// [`Staged::publish`] it goes.
 #[derive(Debug)]
 pub(crate) struct Staged {
     /// The name that the user gave.
@@ -149,7 +151,8 @@ impl Drop for Staged {
     }
 }
 
-/// Replaces several files. The first one says that the others belong together: it is gone while they are replaced, and comes last.
+/// Replaces several files. The first one says that the others belong together: it is gone while they are
+/// replaced, and comes last.
 pub(crate) fn publish_set(staged: Vec<Staged>) -> Result<(), FileError> {
     let mut staged = staged.into_iter();
     let Some(seal) = staged.next() else { return Ok(()) };
@@ -195,8 +198,8 @@ const READ: &str = "read";
 /// The ending of temporary files.
 const PART: &str = ".part";
 
-/// What the temporary names of a file start with. It does not grow with the name of the file, which may have all the
-/// length that the file system allows.
+/// What the temporary names of a file start with. It does not grow with the name of the file, which may have
+/// all the length that the file system allows.
 fn prefix(target: &Path) -> String {
     let mut checksum = Checksum::default();
     checksum.add(target.file_name().unwrap_or_default().as_encoded_bytes());
@@ -207,7 +210,8 @@ fn prefix(target: &Path) -> String {
 fn create_part(target: &Path) -> io::Result<(PathBuf, File)> {
     let mut last = io::ErrorKind::AlreadyExists.into();
     for _ in 0..MOST_NAMES {
-        // Keys from the system's source of randomness: process numbers repeat in containers, clocks in clones.
+        // Keys from the system's source of randomness: process numbers repeat in containers, clocks in
+        // clones.
         let random = RandomState::new().hash_one(target);
         let part = folder(target).join(format!("{}{random:016x}{PART}", prefix(target)));
         match File::create_new(&part) {
@@ -225,8 +229,8 @@ fn create_part(target: &Path) -> io::Result<(PathBuf, File)> {
     Err(last)
 }
 
-/// Removes temporary files of `path` whose writers have ended before they gave them their name: nobody has them locked, and they
-/// start like `magic` as far as they go. One that cannot be removed does no harm.
+/// Removes temporary files of `path` whose writers have ended before they gave them their name: nobody has
+/// them locked, and they start like `magic` as far as they go. One that cannot be removed does no harm.
 pub(crate) fn remove_parts(path: &Path, magic: &[u8]) {
     let Ok(entries) = fs::read_dir(folder(path)) else { return };
     let prefix = prefix(path);

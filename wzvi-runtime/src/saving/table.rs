@@ -61,8 +61,8 @@ impl Table {
         self.columns.first().map_or(0, |(_, column)| column.len())
     }
 
-    /// Comma-separated values as in RFC 4180, with the names in the first line. Numbers are exact to the last bit; undefined and infinite ones are
-    /// `NaN`, `inf` and `-inf`.
+    /// Comma-separated values as in RFC 4180, with the names in the first line. Numbers are exact to the last
+    /// bit; undefined and infinite ones are `NaN`, `inf` and `-inf`.
     ///
     /// # Errors
     /// The errors of `to`.
@@ -119,8 +119,9 @@ impl Table {
         bytes
     }
 
-    /// The entries of a column with commas between them, and before the first one unless it is that of the whole table; numbers come back to the last
-    /// bit, but JSON has `null` for those that are none or infinite.
+    /// The entries of a column with commas between them, and before the first one unless it is that of the
+    /// whole table; numbers come back to the last bit, but JSON has `null` for those that are none or
+    /// infinite.
     pub(crate) fn write_json_entries(
         &self,
         column: usize,
@@ -135,7 +136,8 @@ impl Table {
         Ok(())
     }
 
-    /// `[{"column":entry, ...}, ...]`, a line for each row, with numbers as in [`Table::write_csv`]; JSON has `null` for undefined and infinite ones.
+    /// `[{"column":entry, ...}, ...]`, a line for each row, with numbers as in [`Table::write_csv`]; JSON has
+    /// `null` for undefined and infinite ones.
     ///
     /// # Errors
     /// The errors of `to`.

@@ -7,7 +7,8 @@ use crate::algebra::welford::Welford;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::{Parts, Rows};
 
-/// How often paths crossed a section, and the states there, as far as they are kept: see [`crate::algebra::crossing`].
+/// How often paths crossed a section, and the states there, as far as they are kept: see
+/// [`crate::algebra::crossing`].
 ///
 /// A path that fails counts with the crossings that it had before.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +56,8 @@ impl Crossings {
         1 + 2 * self.degrees
     }
 
-    /// Kept crossings arrive in the order of time. Sorts those of paths that ran side by side by path; each path keeps its order.
+    /// Kept crossings arrive in the order of time. Sorts those of paths that ran side by side by path; each
+    /// path keeps its order.
     fn merge(&mut self, later: &Self) {
         self.rising += later.rising;
         self.falling += later.falling;
@@ -96,8 +98,9 @@ impl Crossings {
         self.of_path.standard_error()
     }
 
-    /// The crossings that were kept ([`Ensemble::keep_crossings`](crate::ensemble::Ensemble::keep_crossings)): path by path, each in the order of the
-    /// run.
+    /// The crossings that were kept
+    /// ([`Ensemble::keep_crossings`](crate::ensemble::Ensemble::keep_crossings)): path by path, each in the
+    /// order of the run.
     pub fn iter(&self) -> impl Iterator<Item = PathCrossing<'_>> {
         let rows = self.states.chunks_exact(self.width());
         self.kept.iter().zip(rows).map(|(&(path, direction), row)| {

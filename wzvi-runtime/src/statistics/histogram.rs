@@ -7,8 +7,8 @@ use crate::ground::numbers::{Numbers, Tape};
 /// A limit on the number of bins, 128 MiB of them.
 const MOST_BINS: usize = 1 << 24;
 
-/// How many samples fell into each of several bins of equal width, `[lower, upper)` in all: bin `b` has those from
-/// [`edge(b)`](Histogram::edge) on and below `edge(b + 1)`.
+/// How many samples fell into each of several bins of equal width, `[lower, upper)` in all: bin `b` has those
+/// from [`edge(b)`](Histogram::edge) on and below `edge(b + 1)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
     lower: f64,
@@ -54,7 +54,8 @@ impl Histogram {
         }
     }
 
-    /// The bin of a sample between `lower` and `upper`. The quotient rounds, and so do the edges: the edges decide.
+    /// The bin of a sample between `lower` and `upper`. The quotient rounds, and so do the edges: the edges
+    /// decide.
     fn bin(&self, sample: f64) -> usize {
         let last = self.counts.len() - 1;
         let place = (sample - self.lower) / (self.upper - self.lower) * self.counts.len() as f64;
@@ -83,7 +84,8 @@ impl Histogram {
         &self.counts
     }
 
-    /// The lower edge of a bin, which is the upper edge of the one before; the last bin ends at `edge(counts().len())`.
+    /// The lower edge of a bin, which is the upper edge of the one before; the last bin ends at
+    /// `edge(counts().len())`.
     pub fn edge(&self, bin: usize) -> f64 {
         let bins = self.counts.len();
         if bin == bins {
@@ -124,8 +126,8 @@ impl Histogram {
         std::iter::once(below).chain(inside).chain([above, undefined])
     }
 
-    /// The density in a bin: the fraction of all samples in it, per unit of the observable. NaN for a bin that does not
-    /// exist, and without samples.
+    /// The density in a bin: the fraction of all samples in it, per unit of the observable. NaN for a bin
+    /// that does not exist, and without samples.
     pub fn density(&self, bin: usize) -> f64 {
         let width = (self.upper - self.lower) / self.counts.len() as f64;
         match (self.counts.get(bin), self.total()) {

@@ -79,8 +79,9 @@ impl Numbers for Losses {
     }
 }
 
-/// More paths failed than the run allows ([`Ensemble::allow_losses`](crate::ensemble::Ensemble::allow_losses)): the means are those of the others, and
-/// how far the lost paths would have changed them is not known.
+/// More paths failed than the run allows
+/// ([`Ensemble::allow_losses`](crate::ensemble::Ensemble::allow_losses)): the means are those of the others,
+/// and how far the lost paths would have changed them is not known.
 #[derive(Clone, PartialEq)]
 pub struct LossError {
     /// Paths that failed.

@@ -2,12 +2,14 @@
 
 use crate::ground::numbers::{Numbers, Tape};
 
-/// How often the largest deviation of a sample may come again without having been expected: ten times more than it was seen is the 95 %
-/// bound of Poisson's law for events that were seen 25 times, and beyond it for fewer. The coverage that follows is measured in `control`.
+/// How often the largest deviation of a sample may come again without having been expected: ten times more
+/// than it was seen is the 95 % bound of Poisson's law for events that were seen 25 times, and beyond it for
+/// fewer. The coverage that follows is measured in `control`.
 const AGAIN: f64 = 10.0;
 
-/// An upper estimate of the standard error of a mean of `count` samples: as if the largest deviation had come [`AGAIN`] times more.
-/// The sample variance alone is zero until a rare event is seen, and too small for heavy tails where the mean is too small as well.
+/// An upper estimate of the standard error of a mean of `count` samples: as if the largest deviation had come
+/// [`AGAIN`] times more. The sample variance alone is zero until a rare event is seen, and too small for
+/// heavy tails where the mean is too small as well.
 fn error_bound(count: u64, variance: f64, largest: f64) -> f64 {
     let n = count as f64;
     ((variance + AGAIN * largest * (largest / n)) / n).sqrt()
@@ -59,8 +61,8 @@ const UNSCALED: [f64; 2] = [power_of_two(-400), power_of_two(480)];
 /// What values below, in and above that range are multiplied by: powers of two, so that nothing is rounded.
 const SCALES: [f64; 3] = [power_of_two(800), 1.0, power_of_two(-560)];
 
-/// The scale of a value. Scaled deviations of values of one scale are below 2^490 and, unless zero, above 2^-453, so that neither
-/// their squares nor sums of 2^40 of them leave the range of `f64`.
+/// The scale of a value. Scaled deviations of values of one scale are below 2^490 and, unless zero, above
+/// 2^-453, so that neither their squares nor sums of 2^40 of them leave the range of `f64`.
 #[inline]
 fn scale(value: f64) -> f64 {
     let size = value.abs();
@@ -87,7 +89,8 @@ struct Summary {
 impl Summary {
     const EMPTY: Self = Self { scale: SCALES[0], mean: 0.0, extremes: Extremes::NONE, not_finite: (0, 0.0) };
 
-    /// The scaled deviations of one more value from the means without and with it; its `weight` is one over the number of values.
+    /// The scaled deviations of one more value from the means without and with it; its `weight` is one over
+    /// the number of values.
     #[inline]
     fn push(&mut self, value: f64, weight: f64) -> [f64; 2] {
         let Self { scale, mean, extremes, not_finite } = self;
@@ -241,7 +244,8 @@ impl Moments {
         }
     }
 
-    /// A product of two observables in their scales, in their units; infinite where it is too large for an `f64`.
+    /// A product of two observables in their scales, in their units; infinite where it is too large for an
+    /// `f64`.
     fn unscaled(&self, a: usize, b: usize, scaled: f64) -> f64 {
         let [a, b] = [a, b].map(|observable| self.of_each.get(observable).map_or(1.0, |one| one.scale));
         if (a * b).is_normal() { scaled / (a * b) } else { scaled / a / b }
@@ -266,7 +270,8 @@ impl Moments {
         (self.scaled_variance(observable) / self.count as f64).sqrt() / scale
     }
 
-    /// The share of the largest deviation in the sum of the squares of all; NaN where the variance is, and where there is no deviation.
+    /// The share of the largest deviation in the sum of the squares of all; NaN where the variance is, and
+    /// where there is no deviation.
     pub(crate) fn largest_share(&self, observable: usize) -> f64 {
         let Some(summary) = self.of_each.get(observable) else { return f64::NAN };
         summary.largest_deviation().powi(2) / self.scaled_comoment(observable, observable)
@@ -277,10 +282,12 @@ impl Moments {
         self.of_each.get(observable).map_or(f64::NAN, |one| one.extremes.width())
     }
 
-    /// An upper estimate of the variance, where a sample may be `unseen` away from the mean although none was.
+    /// An upper estimate of the variance, where a sample may be `unseen` away from the mean although none
+    /// was.
     pub(crate) fn variance_bound(&self, observable: usize, unseen: f64) -> f64 {
         let Some(summary) = self.of_each.get(observable) else { return f64::NAN };
-        // In the scale of the unseen deviation where it is the larger one: samples that are all zero have the scale of the smallest.
+        // In the scale of the unseen deviation where it is the larger one: samples that are all zero have the
+        // scale of the smallest.
         let scale = summary.scale.min(scale(unseen));
         let factor = scale / summary.scale;
         let largest = (summary.largest_deviation() * factor).max(unseen * scale);
@@ -338,8 +345,9 @@ mod tests {
                 moments.merge(&part);
                 single.merge(&part_single);
             }
-            // The nth addition to the mean rounds by 7.5e-9 at most, of which n/3000 is left at the end: 1.2e-5 in all, and twice
-            // that in products of deviations below 1. Sums of squares would have lost everything: 1e16 · 1e-16.
+            // The nth addition to the mean rounds by 7.5e-9 at most, of which n/3000 is left at the end:
+            // 1.2e-5 in all, and twice that in products of deviations below 1. Sums of squares would have
+            // lost everything: 1e16 · 1e-16.
             assert!((moments.mean(0) - 1e8 - mean[0]).abs() < 1.2e-5);
             assert!((moments.mean(1) - mean[1]).abs() < 1e-13);
             for (i, j) in [(0, 0), (0, 1), (1, 0)] {
@@ -377,8 +385,9 @@ mod tests {
         assert!(all.mean(1).is_nan() && all.mean(0) == 3.2);
     }
 
-    /// Samples of any size have the mean, the error and, where an `f64` holds it, the variance of 1, 2, 4 in their units, in any
-    /// division of the work, beside an observable of ordinary size. Powers of two round nothing.
+    /// Samples of any size have the mean, the error and, where an `f64` holds it, the variance of 1, 2, 4 in
+    /// their units, in any division of the work, beside an observable of ordinary size. Powers of two round
+    /// nothing.
     #[test]
     fn moments_neither_overflow_nor_underflow() {
         for exponent in [-1000, -700, -480, -400, -100, 0, 470, 480, 500, 800, 1020] {
@@ -418,7 +427,8 @@ mod tests {
             let exact = 10.0 * unseen * unseen / 5.0;
             assert!(bound == exact || (bound / exact - 1.0).abs() < 1e-14, "{unseen}: {bound} {exact}");
         }
-        // The sum of the squares is infinite, the variance is not; sizes that grow and shrink; the whole range of numbers.
+        // The sum of the squares is infinite, the variance is not; sizes that grow and shrink; the whole
+        // range of numbers.
         let spread = |values: &[f64]| {
             let mut moments = Moments::new(1, false);
             values.iter().for_each(|value| moments.push(&[*value], &mut Vec::new()));

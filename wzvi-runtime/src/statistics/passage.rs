@@ -22,9 +22,9 @@ use crate::saving::table::{Parts, Rows};
 ///
 /// Without noise, crossings are found as those of sections are, between the nodes, too. With noise, signs are
 /// compared at the nodes, and the time is interpolated linearly: a path that crosses and returns within a
-/// step is not seen. For a quantity that diffuses, mean times are therefore too long by a relative
-/// error of order `√h`. A quantity that the noise reaches through a derivative, such as a position under noise in the momentum, does not
-/// have this error.
+/// step is not seen. For a quantity that diffuses, mean times are therefore too long by a relative error of
+/// order `√h`. A quantity that the noise reaches through a derivative, such as a position under noise in the
+/// momentum, does not have this error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Passages {
     name: String,
@@ -91,7 +91,8 @@ impl fmt::Display for Passages {
 }
 
 impl Passages {
-    /// For an event between two times, with bins between these; with the outcome of each path, if paths are kept.
+    /// For an event between two times, with bins between these; with the outcome of each path, if paths are
+    /// kept.
     pub(crate) fn new(name: String, span: [f64; 2], histogram: Histogram, keeps_paths: bool) -> Self {
         Self {
             name,
@@ -169,7 +170,8 @@ impl Passages {
         self.lost
     }
 
-    /// What became of each path, by its number, if paths are kept ([`Ensemble::keep_paths`](crate::ensemble::Ensemble::keep_paths)).
+    /// What became of each path, by its number, if paths are kept
+    /// ([`Ensemble::keep_paths`](crate::ensemble::Ensemble::keep_paths)).
     pub fn by_path(&self) -> Option<&[Passage]> {
         self.kept.as_deref()
     }
@@ -208,15 +210,16 @@ impl Passages {
         &self.histogram
     }
 
-    /// Passages per unit of time that paths spent before passing: the maximum-likelihood estimate of a constant rate, including censored and
-    /// lost paths. NaN if no time was spent.
+    /// Passages per unit of time that paths spent before passing: the maximum-likelihood estimate of a
+    /// constant rate, including censored and lost paths. NaN if no time was spent.
     pub fn rate(&self) -> f64 {
         if self.exposure > 0.0 { self.passed() as f64 / self.exposure } else { f64::NAN }
     }
 
-    /// The standard error of [`Passages::rate`] as a ratio of two means over paths, `√(Σ (d - rate T)²) / Σ T`, for any law of the times.
-    /// `d` is 1 for a path that passed and 0 for others, and `T` its time before passing. NaN of one path, and if none passed; the rate is then below three
-    /// passages in the time of all paths, with 95 % confidence.
+    /// The standard error of [`Passages::rate`] as a ratio of two means over paths,
+    /// `√(Σ (d - rate T)²) / Σ T`, for any law of the times. `d` is 1 for a path that passed and 0 for
+    /// others, and `T` its time before passing. NaN of one path, and if none passed; the rate is then below
+    /// three passages in the time of all paths, with 95 % confidence.
     pub fn rate_error(&self) -> f64 {
         if self.passed() == 0 || self.passed() + self.waits.count() == 1 {
             return f64::NAN;

@@ -41,7 +41,8 @@ impl Paths {
         self.values.len() / (self.nodes * self.observables).max(1)
     }
 
-    /// The observables of a path at a recorded node, NaN if it failed before; `None` for a path or node that does not exist.
+    /// The observables of a path at a recorded node, NaN if it failed before; `None` for a path or node that
+    /// does not exist.
     pub fn at(&self, path: usize, node: usize) -> Option<&[f64]> {
         if path >= self.count() || node >= self.nodes {
             return None;

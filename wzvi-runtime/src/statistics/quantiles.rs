@@ -1,9 +1,10 @@
 //! Quantiles in memory that does not grow with the number of samples, to a known relative error.
 //!
-//! Samples are counted in bins between neighbouring numbers of nine binary digits behind the leading one, and a quantile is the
-//! middle of the bin that the exact one is in. Counts of the same bins add up in any order to the same numbers, so that
-//! merging loses nothing (C. Masson, J. E. Rim, H. K. Lee, "DDSketch: a fast and fully-mergeable quantile sketch with
-//! relative-error guarantees", Proc. VLDB Endow. 12, 2019, with the bins of binary numbers in place of a logarithm).
+//! Samples are counted in bins between neighbouring numbers of nine binary digits behind the leading one, and
+//! a quantile is the middle of the bin that the exact one is in. Counts of the same bins add up in any order
+//! to the same numbers, so that merging loses nothing (C. Masson, J. E. Rim, H. K. Lee, "DDSketch: a fast and
+//! fully-mergeable quantile sketch with relative-error guarantees", Proc. VLDB Endow. 12, 2019, with the bins
+//! of binary numbers in place of a logarithm).
 
 use std::borrow::Cow;
 use std::fmt;
@@ -14,7 +15,8 @@ use crate::ground::numbers::{Numbers, Tape};
 const IGNORED: u32 = 52 - 9;
 /// Bins of an octave: from a power of two to the next.
 const OCTAVE: usize = 1 << 9;
-/// Samples that are listed before they are counted: a list of them costs less than the counts of its octaves, where samples are few.
+/// Samples that are listed before they are counted: a list of them costs less than the counts of its octaves,
+/// where samples are few.
 const MOST_LISTED: usize = 1 << 10;
 
 /// Samples for which the list has room from the first on: the paths of a chunk of an ensemble, say.
@@ -22,15 +24,17 @@ const FIRST_LISTED: usize = 1 << 6;
 
 /// The distribution of samples, for their quantiles.
 ///
-/// A quantile is off by at most [`Quantiles::RELATIVE_ERROR`] of the exact one, whatever the distribution: if numbers far
-/// from zero differ little, subtract a common value first. Memory is 4 KiB for each factor of two, of each sign, that a sample fell into.
+/// A quantile is off by at most [`Quantiles::RELATIVE_ERROR`] of the exact one, whatever the distribution: if
+/// numbers far from zero differ little, subtract a common value first. Memory is 4 KiB for each factor of
+/// two, of each sign, that a sample fell into.
 #[derive(Clone, Default)]
 pub struct Quantiles {
     /// Bins of samples that are not counted yet.
     listed: Vec<i32>,
     /// Counts of the bins of the octaves that occur.
     counts: Vec<u64>,
-    /// Where those of each octave begin in `counts`, from the octave `least` on; [`NOWHERE`] for those that do not occur.
+    /// Where those of each octave begin in `counts`, from the octave `least` on; [`NOWHERE`] for those that
+    /// do not occur.
     octaves: Vec<usize>,
     least: i32,
     count: u64,
@@ -182,8 +186,8 @@ impl Quantiles {
     }
 
     /// The least sample that at least this fraction of all samples does not exceed, to a relative error of
-    /// [`Quantiles::RELATIVE_ERROR`]; exactly for 0 and 1. NaN for other fractions than 0 to 1, without samples, and if any
-    /// was NaN.
+    /// [`Quantiles::RELATIVE_ERROR`]; exactly for 0 and 1. NaN for other fractions than 0 to 1, without
+    /// samples, and if any was NaN.
     pub fn at(&self, fraction: f64) -> f64 {
         if !(0.0..=1.0).contains(&fraction) || self.undefined > 0 {
             return f64::NAN;
@@ -238,8 +242,8 @@ impl Numbers for Quantiles {
     }
 }
 
-/// The least `k` for which `k / n` is not below the fraction. The quotient decides, not the product: 0.07 is the number next to 7/100, but
-/// 0.07 · 100 is above 7.
+/// The least `k` for which `k / n` is not below the fraction. The quotient decides, not the product: 0.07 is
+/// the number next to 7/100, but 0.07 · 100 is above 7.
 fn rank(fraction: f64, n: u64) -> u64 {
     let is_enough = |k: u64| k as f64 / n as f64 >= fraction;
     let near = ((fraction * n as f64).ceil() as u64).min(n);

@@ -28,10 +28,12 @@ const NO_HISTOGRAM: StatisticsError = StatisticsError::NotComputed {
 
 /// The statistics of an ensemble.
 ///
-/// A path that fails counts up to the last node that it reached, and is missing after that. [`Statistics::failed`] is the number of such
-/// paths, [`StatisticsNode::lost`] their number at each time. Printing the statistics shows both beside each mean.
+/// A path that fails counts up to the last node that it reached, and is missing after that.
+/// [`Statistics::failed`] is the number of such paths, [`StatisticsNode::lost`] their number at each time.
+/// Printing the statistics shows both beside each mean.
 ///
-/// Methods that take a name answer for the end of the paths. A name that does not exist is an error that lists those that do.
+/// Methods that take a name answer for the end of the paths. A name that does not exist is an error that
+/// lists those that do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statistics {
     names: Arc<[String]>,
@@ -50,7 +52,8 @@ pub struct Statistics {
     pub(crate) unsaved: Option<FileError>,
 }
 
-/// Whether a run reached the standard error that [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) set.
+/// Whether a run reached the standard error that
+/// [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetStatus {
     /// It was reached.
@@ -58,10 +61,11 @@ pub enum TargetStatus {
     /// It was not reached within the number of paths, or before the run was stopped.
     NotMet,
     /// The estimate of the error is small enough, but one path contributes more than a tenth of the variance
-    /// ([`StatisticsNode::largest_share`]). The mean of such a heavy tail depends on paths that are too rare to have been seen.
+    /// ([`StatisticsNode::largest_share`]). The mean of such a heavy tail depends on paths that are too rare
+    /// to have been seen.
     Dominated,
-    /// The observable is the same number on every path, so that its error is unknown. Either it is constant, or what changes it is rarer
-    /// than `3 / paths` (with 95 % confidence).
+    /// The observable is the same number on every path, so that its error is unknown. Either it is constant,
+    /// or what changes it is rarer than `3 / paths` (with 95 % confidence).
     Constant,
 }
 
@@ -136,7 +140,8 @@ impl Statistics {
         (names, self.own.iter().cloned().flat_map(words).collect())
     }
 
-    /// A statistic that was added to the run ([`Ensemble::statistic`](crate::ensemble::Ensemble::statistic)): the first of this type.
+    /// A statistic that was added to the run ([`Ensemble::statistic`](crate::ensemble::Ensemble::statistic)):
+    /// the first of this type.
     ///
     /// # Errors
     /// [`StatisticsError::NotComputed`] if there is none of this type.
@@ -224,7 +229,8 @@ impl Statistics {
     /// The covariance of two observables at the end, as [`StatisticsNode::covariance`].
     ///
     /// # Errors
-    /// The errors of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was set to omit covariances.
+    /// The errors of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was set to omit
+    /// covariances.
     pub fn covariance(&self, a: &str, b: &str) -> Result<f64, StatisticsError> {
         let (a, b) = (self.known(a)?, self.known(b)?);
         match self.nodes().last() {
@@ -236,8 +242,8 @@ impl Statistics {
     /// The quantile of an observable at the end, as [`Quantiles::at`](super::quantiles::Quantiles::at).
     ///
     /// # Errors
-    /// The errors of [`Statistics::mean`], [`StatisticsError::NotComputed`] if quantiles were not requested, and [`StatisticsError::Fraction`] unless
-    /// the fraction is a number from 0 to 1.
+    /// The errors of [`Statistics::mean`], [`StatisticsError::NotComputed`] if quantiles were not requested,
+    /// and [`StatisticsError::Fraction`] unless the fraction is a number from 0 to 1.
     pub fn quantile(&self, name: &str, fraction: f64) -> Result<f64, StatisticsError> {
         if !(0.0..=1.0).contains(&fraction) {
             return Err(StatisticsError::Fraction(fraction));
@@ -291,20 +297,23 @@ impl Statistics {
         self.paths.as_ref()
     }
 
-    /// Whether the run was stopped, by Ctrl-C or [`Ensemble::stop_when`](crate::ensemble::Ensemble::stop_when), before it was done. The
-    /// statistics then cover all paths from number 0 up to the last one that was finished. If there are none, all means are NaN.
+    /// Whether the run was stopped, by Ctrl-C or
+    /// [`Ensemble::stop_when`](crate::ensemble::Ensemble::stop_when), before it was done. The statistics then
+    /// cover all paths from number 0 up to the last one that was finished. If there are none, all means are
+    /// NaN.
     pub fn is_partial(&self) -> bool {
         self.is_partial
     }
 
-    /// Why the last [checkpoint](crate::ensemble::Ensemble::checkpoint) of the run could not be written. Only these statistics then contain
-    /// the paths since the previous one. `None` if it was written, and for a run without checkpoints.
+    /// Why the last [checkpoint](crate::ensemble::Ensemble::checkpoint) of the run could not be written. Only
+    /// these statistics then contain the paths since the previous one. `None` if it was written, and for a
+    /// run without checkpoints.
     pub fn unsaved(&self) -> Option<&FileError> {
         self.unsaved.as_ref()
     }
 
-    /// Whether all standard errors meet the targets of [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error); `None` if it was
-    /// not called.
+    /// Whether all standard errors meet the targets of
+    /// [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error); `None` if it was not called.
     pub fn met_targets(&self) -> Option<bool> {
         let met = self.targets.iter().all(|(_, status)| *status == TargetStatus::Met);
         (!self.targets.is_empty()).then_some(met)
@@ -348,8 +357,8 @@ impl TargetStatus {
     }
 }
 
-/// The means at the end, with their standard errors and the paths that are missing in them; then the recorded times, the first passages and
-/// the crossings.
+/// The means at the end, with their standard errors and the paths that are missing in them; then the recorded
+/// times, the first passages and the crossings.
 impl fmt::Display for Statistics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(end) = self.nodes().last() else { return Ok(()) };

@@ -63,12 +63,13 @@ pub enum Seen<'s> {
 
 /// A statistic of the paths of an ensemble ([`Ensemble::statistic`](crate::ensemble::Ensemble::statistic)).
 ///
-/// Paths run in chunks of a fixed size. Each chunk has a clone of the given statistic, which sees the paths of the chunk, and the chunks are merged
-/// in the order of their numbers. The result therefore has the same bits on any number of threads and ranks. Checkpoints and ranks keep what
-/// [`Numbers::pass`] passes to the tape: everything that paths change.
+/// Paths run in chunks of a fixed size. Each chunk has a clone of the given statistic, which sees the paths
+/// of the chunk, and the chunks are merged in the order of their numbers. The result therefore has the same
+/// bits on any number of threads and ranks. Checkpoints and ranks keep what [`Numbers::pass`] passes to the
+/// tape: everything that paths change.
 ///
-/// At each recorded time paths come in the order of their numbers. Several run side by side, so a statistic that remembers something of a path keeps
-/// it by the number of the path.
+/// At each recorded time paths come in the order of their numbers. Several run side by side, so a statistic
+/// that remembers something of a path keeps it by the number of the path.
 pub trait Statistic: Numbers + Clone + fmt::Debug + PartialEq + Send + Sync + 'static {
     /// Sees what happens to a path, by its number from 0.
     fn see(&mut self, path: u64, seen: &Seen<'_>);
@@ -76,7 +77,8 @@ pub trait Statistic: Numbers + Clone + fmt::Debug + PartialEq + Send + Sync + 's
     /// Adds the statistic of a later chunk. The order matters to the last bit.
     fn merge(&mut self, later: &Self);
 
-    /// The result as tables, which [`Statistics::tables`] and files then include. `run` has the recorded times and the names of observables.
+    /// The result as tables, which [`Statistics::tables`] and files then include. `run` has the recorded
+    /// times and the names of observables.
     fn rows<'s>(&'s self, run: &'s Statistics) -> Tables<'s>;
 }
 

@@ -11,19 +11,22 @@ use crate::saving::file::{self, Staged};
 use crate::saving::table::{Parts, Rows, Table, escaped};
 
 impl Statistics {
-    /// One file `<table>.csv` for each of [`Statistics::tables`] in a folder, which is made if it is not there.
+    /// One file `<table>.csv` for each of [`Statistics::tables`] in a folder, which is made if it is not
+    /// there.
     ///
-    /// `run.csv` says that the set is complete: it goes before the first table is replaced and comes back after the last one, so that
-    /// tables of two runs never lie beside a `run.csv`. Two programs that write into one folder at the same time need a folder each.
+    /// `run.csv` says that the set is complete: it goes before the first table is replaced and comes back
+    /// after the last one, so that tables of two runs never lie beside a `run.csv`. Two programs that write
+    /// into one folder at the same time need a folder each.
     ///
     /// # Errors
-    /// [`FileError`] for the first file that cannot be written; unless that is in the middle of renaming, all files are as they were.
+    /// [`FileError`] for the first file that cannot be written; unless that is in the middle of renaming, all
+    /// files are as they were.
     pub fn write_csv(&self, folder: impl AsRef<Path>) -> Result<(), FileError> {
         self.write_tables(folder.as_ref(), "csv", |first, rest, file| first.write_csv_parts(rest, file))
     }
 
-    /// One file with an object of all [`Statistics::tables`]: `{"run":{"system":["Kubo"], ...}, ...}`. NaN and
-    /// infinite numbers are `null`. The folder is made if it is not there.
+    /// One file with an object of all [`Statistics::tables`]: `{"run":{"system":["Kubo"], ...}, ...}`. NaN
+    /// and infinite numbers are `null`. The folder is made if it is not there.
     ///
     /// # Errors
     /// [`FileError`] if it cannot be written.
@@ -37,8 +40,8 @@ impl Statistics {
         })
     }
 
-    /// One file `<table>.parquet` for each of [`Statistics::tables`] in a folder, which is made if it is not there. Real
-    /// numbers are `DOUBLE`, counts `INT64` without a sign, text is UTF-8; no column has nulls.
+    /// One file `<table>.parquet` for each of [`Statistics::tables`] in a folder, which is made if it is not
+    /// there. Real numbers are `DOUBLE`, counts `INT64` without a sign, text is UTF-8; no column has nulls.
     ///
     /// `run.parquet` says that the set is complete, as `run.csv` does ([`Statistics::write_csv`]).
     ///
@@ -89,8 +92,9 @@ impl Statistics {
     ///
     /// A parameter with the name of another column has `_` at its end.
     ///
-    /// All tables are always there, some without rows: files of an earlier run are replaced, whatever that one had. Histograms have a bin below the first one that begins at minus
-    /// infinity, one above the last, and one without edges for NaN; their density is NaN.
+    /// All tables are always there, some without rows: files of an earlier run are replaced, whatever that
+    /// one had. Histograms have a bin below the first one that begins at minus infinity, one above the last,
+    /// and one without edges for NaN; their density is NaN.
     pub fn tables(&self) -> Vec<Table> {
         let whole = |parts: Parts<'_>| {
             parts.reduce(|mut table, part| {
@@ -135,7 +139,8 @@ impl Statistics {
     }
 }
 
-/// `"table":{"column":[entries], ...}` of a table whose parts are made anew for each column: one after the other is in memory.
+/// `"table":{"column":[entries], ...}` of a table whose parts are made anew for each column: one after the
+/// other is in memory.
 fn write_json<P: Iterator<Item = Table>>(parts: impl Fn() -> P, to: &mut impl Write) -> io::Result<()> {
     let Some(first) = parts().next() else { return Ok(()) };
     write!(to, "{}:{{", escaped(first.name()))?;

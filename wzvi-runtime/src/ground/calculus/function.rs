@@ -5,8 +5,8 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use super::{DomainError, Interior, Lambda, Midpoints, Minus, Nodes, Plus, Point, Scale, TimeScale, Whole};
 
-/// A function on the time scale `S`: the paper's `C(S, V)`. Its values are real numbers, vectors of `nalgebra`, dual numbers: what has the
-/// operations that an operator takes.
+/// A function on the time scale `S`: the paper's `C(S, V)`. Its values are real numbers, vectors of
+/// `nalgebra`, dual numbers: what has the operations that an operator takes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Function<S, V> {
     scale: TimeScale,
@@ -99,14 +99,14 @@ impl<S: Scale, V: Clone> Function<S, V> {
 }
 
 impl<S: Scale, V: Clone + Sub<Output = V> + Div<f64, Output = V>> Function<S, V> {
-    /// `Δ₊ f(t) = (f(σ(t)) - f(t)) / (σ(t) - t)` on `S` without its last point: the paper's `Δ₊`, `Δ_{∘,+}` and
-    /// `Δ_{½,+}`.
+    /// `Δ₊ f(t) = (f(σ(t)) - f(t)) / (σ(t) - t)` on `S` without its last point: the paper's `Δ₊`, `Δ_{∘,+}`
+    /// and `Δ_{½,+}`.
     pub fn delta_plus(&self) -> Function<Plus<S>, V> {
         Function::raw(self.scale, self.slopes())
     }
 
-    /// `Δ₋ f(t) = (f(t) - f(ρ(t))) / (t - ρ(t))` on `S` without its first point: the paper's `Δ₋`, `Δ_{∘,-}` and
-    /// `Δ_{½,-}`.
+    /// `Δ₋ f(t) = (f(t) - f(ρ(t))) / (t - ρ(t))` on `S` without its first point: the paper's `Δ₋`, `Δ_{∘,-}`
+    /// and `Δ_{½,-}`.
     pub fn delta_minus(&self) -> Function<Minus<S>, V> {
         Function::raw(self.scale, self.slopes())
     }

@@ -4,8 +4,8 @@ use super::{DomainError, TimeScale};
 
 /// A function on T_λ, the points `t_{i,λ} = (1 - λ) t_i + λ t_{i+1}`, `i = 0 … N-1`.
 ///
-/// `λ = 0` is the left rule of [`DeltaPlus`](crate::scheme::embedding::DeltaPlus), `1/2` the mid-point rule, `1` (which the
-/// paper leaves out) the right rule of the adjoint.
+/// `λ = 0` is the left rule of [`DeltaPlus`](crate::scheme::embedding::DeltaPlus), `1/2` the mid-point rule,
+/// `1` (which the paper leaves out) the right rule of the adjoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lambda<V> {
     scale: TimeScale,
@@ -17,7 +17,8 @@ impl<V> Lambda<V> {
     /// The function with these values, one per step.
     ///
     /// # Errors
-    /// [`DomainError::Lambda`] unless `0 <= lambda <= 1`, [`DomainError::Length`] unless there are `N` values.
+    /// [`DomainError::Lambda`] unless `0 <= lambda <= 1`, [`DomainError::Length`] unless there are `N`
+    /// values.
     pub fn new(scale: TimeScale, lambda: f64, values: Vec<V>) -> Result<Self, DomainError> {
         if !(0.0..=1.0).contains(&lambda) {
             return Err(DomainError::Lambda(lambda));
@@ -55,7 +56,8 @@ impl<V> Lambda<V> {
         &self.values
     }
 
-    /// `ι_{0,λ}[f](t)`: the function as one that is constant on each `[t_i, t_{i+1}[`; `None` outside `[a, b[`.
+    /// `ι_{0,λ}[f](t)`: the function as one that is constant on each `[t_i, t_{i+1}[`; `None` outside
+    /// `[a, b[`.
     pub fn step_function(&self, t: f64) -> Option<&V> {
         let position = (t - self.scale.start()) / self.scale.step_size();
         // NaN is outside, too.

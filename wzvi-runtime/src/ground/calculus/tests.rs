@@ -3,8 +3,8 @@
 use super::*;
 use nalgebra::SVector;
 
-/// Dyadic numbers `k/64` with `|k| < 2^20`, from a linear congruential generator: with a dyadic `h` nothing below
-/// rounds, and equality is equality.
+/// Dyadic numbers `k/64` with `|k| < 2^20`, from a linear congruential generator: with a dyadic `h` nothing
+/// below rounds, and equality is equality.
 struct Dyadic(u64);
 
 impl Dyadic {
@@ -151,8 +151,8 @@ fn the_transfer_lemma() {
 
 #[test]
 fn du_bois_reymond() {
-    // The test functions that vanish at both ends are spanned by those that are 1 at one interior node: integrals
-    // against them read f there off, and nowhere else.
+    // The test functions that vanish at both ends are spanned by those that are 1 at one interior node:
+    // integrals against them read f there off, and nowhere else.
     let mut random = Dyadic(4);
     for scale in scales().filter(|scale| scale.steps() < 64) {
         let h = scale.step_size();

@@ -28,7 +28,8 @@ fn put(path: &Path, text: &str) -> Result<(), FileError> {
     replace(path, |file| file.write_all(text.as_bytes()))
 }
 
-/// Many writers of names that differ after the dot only, and of one name: each file is whole, none is in another's way.
+/// Many writers of names that differ after the dot only, and of one name: each file is whole, none is in
+/// another's way.
 #[test]
 fn writers_do_not_meet() {
     let folder = folder_of("meet");

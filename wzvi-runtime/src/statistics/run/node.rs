@@ -173,7 +173,8 @@ pub struct StatisticsNode {
 }
 
 impl StatisticsNode {
-    /// A node of so many observables, without paths and at no time yet, with or without covariances, antithetic pairs and quantiles.
+    /// A node of so many observables, without paths and at no time yet, with or without covariances,
+    /// antithetic pairs and quantiles.
     pub(crate) fn new(
         observables: usize,
         has_covariances: bool,
@@ -239,18 +240,21 @@ impl StatisticsNode {
         self.moments.not_finite(observable)
     }
 
-    /// The mean of an observable; NaN for an index that does not exist, and without paths; infinite if a value is.
+    /// The mean of an observable; NaN for an index that does not exist, and without paths; infinite if a
+    /// value is.
     pub fn mean(&self, observable: usize) -> f64 {
         self.moments.mean(observable)
     }
 
-    /// The unbiased covariance of two observables of independent paths; NaN where [`StatisticsNode::mean`] is or is infinite, for a single
-    /// path and a single antithetic pair, and of two different ones if the run was set to omit covariances. It is infinite where it is too
-    /// large for an `f64`; errors of means are not.
+    /// The unbiased covariance of two observables of independent paths; NaN where [`StatisticsNode::mean`] is
+    /// or is infinite, for a single path and a single antithetic pair, and of two different ones if the run
+    /// was set to omit covariances. It is infinite where it is too large for an `f64`; errors of means are
+    /// not.
     ///
-    /// Both paths of an antithetic pair depend on each other. For `n` paths, `2m` of them in `m` pairs, the expectation of `C`, the sum of products of
-    /// deviations from the mean, is `(n - u/n) cov - (4m/n) cov_pairs`, with `u = n - 2m` and the covariance `cov_pairs` of the means of pairs. The estimate is
-    /// `(C + (4m/n) cov_pairs) / (n - u/n)`, which is `C / (n - 1)` without pairs.
+    /// Both paths of an antithetic pair depend on each other. For `n` paths, `2m` of them in `m` pairs, the
+    /// expectation of `C`, the sum of products of deviations from the mean, is
+    /// `(n - u/n) cov - (4m/n) cov_pairs`, with `u = n - 2m` and the covariance `cov_pairs` of the means of
+    /// pairs. The estimate is `(C + (4m/n) cov_pairs) / (n - u/n)`, which is `C / (n - 1)` without pairs.
     pub fn covariance(&self, a: usize, b: usize) -> f64 {
         let independent = self.moments.covariance(a, b);
         let Some(pairs) = self.pairs.as_ref().filter(|pairs| pairs.count() > 0) else { return independent };
@@ -265,17 +269,19 @@ impl StatisticsNode {
         self.covariance(observable, observable)
     }
 
-    /// The standard error of the mean: `√(variance / count)`, and for antithetic paths, which depend on each other, that of
-    /// the means of their pairs, `√(variance of pairs / number of pairs)`.
+    /// The standard error of the mean: `√(variance / count)`, and for antithetic paths, which depend on each
+    /// other, that of the means of their pairs, `√(variance of pairs / number of pairs)`.
     pub fn standard_error(&self, observable: usize) -> f64 {
         self.independent().standard_error(observable)
     }
 
-    /// An upper estimate of the standard error of the mean, `√((variance + 10 D² / count) / count)` with the largest deviation `D` from the
-    /// mean that was seen: as if it had occurred ten more times. The standard error itself is zero until a rare event is seen, and with
-    /// heavy tails it is too small whenever the mean is. [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) compares this bound.
-    /// NaN where the observable is the same number on all paths, such as an event that was never seen. Zero where it differs between paths and
-    /// all antithetic pairs have the same mean: the observable is odd in the noise, and its mean is exact.
+    /// An upper estimate of the standard error of the mean, `√((variance + 10 D² / count) / count)` with the
+    /// largest deviation `D` from the mean that was seen: as if it had occurred ten more times. The standard
+    /// error itself is zero until a rare event is seen, and with heavy tails it is too small whenever the
+    /// mean is. [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) compares this bound. NaN
+    /// where the observable is the same number on all paths, such as an event that was never seen. Zero where
+    /// it differs between paths and all antithetic pairs have the same mean: the observable is odd in the
+    /// noise, and its mean is exact.
     pub fn error_bound(&self, observable: usize) -> f64 {
         match &self.pairs {
             Some(pairs) if pairs.is_constant(observable) && !self.is_constant(observable) => 0.0,
@@ -283,13 +289,15 @@ impl StatisticsNode {
         }
     }
 
-    /// The share of the path that is farthest from the mean in the variance of an observable. If one path has a large share, the error is that of this
-    /// path: see [`TargetStatus::Dominated`](super::TargetStatus::Dominated).
+    /// The share of the path that is farthest from the mean in the variance of an observable. If one path has
+    /// a large share, the error is that of this path: see
+    /// [`TargetStatus::Dominated`](super::TargetStatus::Dominated).
     pub fn largest_share(&self, observable: usize) -> f64 {
         self.independent().largest_share(observable)
     }
 
-    /// Whether an observable is the same number on all paths. If so, the frequency and size of other values are unknown.
+    /// Whether an observable is the same number on all paths. If so, the frequency and size of other values
+    /// are unknown.
     pub fn is_constant(&self, observable: usize) -> bool {
         self.moments.is_constant(observable)
     }
