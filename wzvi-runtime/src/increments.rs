@@ -2,6 +2,8 @@
 //!
 //! A [`Noise`] fills in `ΔW_1 … ΔW_K` of each step. [`Increments`] are given numbers. Everything random is in
 //! another module, so that a program without noise compiles no generator.
+//!
+//! Tested by `tests/paths/runs.rs`.
 
 mod identity;
 

@@ -34,6 +34,8 @@
 //! assert_eq!(slope.integral(), Ok(1.0));
 //! # Ok::<(), wzvi_runtime::ground::calculus::DomainError>(())
 //! ```
+//!
+//! Tested by `wzvi-runtime/src/ground/calculus/tests.rs`.
 
 pub mod function;
 mod lambda;

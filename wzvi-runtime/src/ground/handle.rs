@@ -16,6 +16,8 @@
 //! A stopped run keeps its results so far, and writes its checkpoint, if it has one.
 //! [`run_partial`](crate::path::simulate::Simulation::run_partial) of a single path returns the path with
 //! `Error::Stopped`; averages, ensembles and multilevel runs return their results, marked as partial.
+//!
+//! Tested by `tests/ensembles/control.rs`.
 
 use std::fmt;
 use std::sync::Arc;

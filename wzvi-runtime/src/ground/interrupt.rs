@@ -1,4 +1,6 @@
 //! Ctrl-C during a long computation ends that, not the program.
+//!
+//! Tested by `tests/ensembles/control.rs`.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, Once, PoisonError, Weak};

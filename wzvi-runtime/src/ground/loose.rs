@@ -1,5 +1,7 @@
 //! Numbers in the formats of `serde`. Formats for people, such as JSON, have no NaN and no infinity: there
 //! these are texts, `"NaN"`, `"inf"` and `"-inf"`, and `null` reads as NaN.
+//!
+//! Tested by `tests/paths/checkpoint/serial.rs`.
 
 use std::fmt;
 

@@ -1,4 +1,6 @@
 //! Values as sequences of numbers, which a tape records and restores.
+//!
+//! Tested by `tests/paths/checkpoint/resume.rs`.
 
 use std::marker::PhantomData;
 

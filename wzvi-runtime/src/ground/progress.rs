@@ -1,4 +1,6 @@
 //! How far a long run is: one line on a terminal, nothing elsewhere.
+//!
+//! Tested by `tests/ensembles/control.rs`.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::time::{Duration, Instant};

@@ -1,4 +1,6 @@
 //! The names of coordinates, momenta and time in the closure of the drift.
+//!
+//! Tested by `tests/paths/results.rs`.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,6 @@
 //! What a source of increments is.
+//!
+//! Tested by `tests/paths/checkpoint/other_run.rs`.
 
 use std::fmt::{self, Debug};
 

@@ -15,6 +15,8 @@
 //! `(alpha L)^3 / 12` and `(beta L)^3 / 12`, and only their sum S is given;
 //! `alpha^3 + beta^3 = 1 - 3 alpha beta`. So two normals n_1, n_2 per cut give two intervals of the same law
 //! as the whole: the tree can be refined for ever, and every integral of W is exact.
+//!
+//! Tested by `wzvi-runtime/tests/runtime/noise_path.rs` and `tests/laws/noise.rs`.
 
 /// Increment and area over an interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

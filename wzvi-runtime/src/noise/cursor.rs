@@ -6,6 +6,8 @@
 //! after the two descents separate, and all of these lie between the two times. Nothing cancels, so that
 //! small increments at large times keep their digits. The sum is a function of the two times alone: the order
 //! of the queries changes nothing.
+//!
+//! Tested by `wzvi-runtime/tests/runtime/noise_path.rs`.
 
 use super::bridge::{BridgeInterval, Scale, Span};
 use super::grid::{self, DEPTH, GridTime, NODES, Parting};

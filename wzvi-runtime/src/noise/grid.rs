@@ -5,6 +5,8 @@
 //! the decimal and the dyadic times, the fifth page of 12 = 2 x 2 x 3, so that thirds are met too. A time is
 //! snapped to the coarsest grid on which it lies up to a few ulps: `3.0 * 0.02` and `0.06` are one time.
 //! Negative times have a tree of their own, the mirror image.
+//!
+//! Tested by `wzvi-runtime/tests/runtime/noise_path.rs`.
 
 use std::sync::LazyLock;
 

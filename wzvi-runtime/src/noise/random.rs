@@ -10,6 +10,8 @@
 //! pair keeps every normal addressable. The logarithm, sine and cosine are computed from the polynomials of
 //! [`Lanes`](crate::algebra::lanes::Lanes) (errors below one ulp), because those of the platform differ in
 //! the last bit between targets: the same seed gives the same bits everywhere.
+//!
+//! Tested by `wzvi-runtime/tests/runtime/ensemble_law.rs`.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};

@@ -22,6 +22,8 @@
 //! A step is halved by the Brownian bridge: of an increment `w` over an interval of length `l`, the halves
 //! have `w/2 ± √l/2 ξ`. Cut `k` of halving `m` of the step number `n` has the normal at the block
 //! `2^{m-1} n + k` of its own key. A last step that is shorter than the others is a step of its own size.
+//!
+//! Tested by `wzvi-runtime/tests/runtime/ensemble_law.rs` and `tests/ensembles/continued.rs`.
 
 use super::random::{self, pair};
 use super::truncation::{Truncation, truncation_setters};

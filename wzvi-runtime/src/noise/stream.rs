@@ -13,6 +13,8 @@
 //!
 //! The stream number is the index of the cell among those of its octave and depth; the words are 0 to 63 of
 //! that stream. All integers are little-endian.
+//!
+//! Tested by `wzvi-runtime/tests/runtime/noise_path.rs`.
 
 use super::random::{self, PAGE};
 

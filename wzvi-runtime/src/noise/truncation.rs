@@ -12,6 +12,8 @@
 //!
 //! An implicit step can have a pole at a finite increment; truncated increments stay away from it once h is
 //! small enough. Take k at least twice the strong order.
+//!
+//! Tested by `tests/ensembles/poles.rs`.
 
 use super::NoiseError;
 use crate::algebra::lanes::elementary::ln_shifted;

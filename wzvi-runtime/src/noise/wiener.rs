@@ -1,4 +1,6 @@
 //! The Wiener process as a function of time.
+//!
+//! Tested by `wzvi-runtime/tests/runtime/noise_path.rs` and `tests/laws/noise.rs`.
 
 use std::collections::BTreeMap;
 

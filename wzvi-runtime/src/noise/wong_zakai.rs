@@ -10,6 +10,8 @@
 //! A step uses the velocity at one point, `delta_i = h dW_eps/dt`, or the increment of `W_eps`
 //! ([`Sampling`]). The example `paper` measures the errors of both (J. Cresson, R. Safi, *Dynamics of
 //! stochastic Hamiltonian systems I: Wong-Zakai variational integrators*).
+//!
+//! Tested by `wzvi-runtime/tests/runtime/noise_wong_zakai.rs`.
 
 use super::grid::GridTime;
 use super::truncation::truncation_setters;

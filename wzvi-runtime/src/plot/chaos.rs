@@ -1,4 +1,6 @@
 //! Maps of chaos.
+//!
+//! Tested by `tests/ensembles/chaos.rs`.
 
 use super::figure::{Figure, Shades};
 use crate::algebra::state::Vector;

@@ -1,4 +1,6 @@
 //! Figures as SVG and, with the feature `plot`, as pixels, by one drawing for both.
+//!
+//! Tested by `tests/paths/results.rs`.
 
 use std::collections::HashSet;
 #[cfg(all(feature = "plot", not(target_arch = "wasm32")))]

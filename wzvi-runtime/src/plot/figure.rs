@@ -1,4 +1,6 @@
 //! A figure as data: what is drawn, what it shows, the numbers behind it.
+//!
+//! Tested by `tests/paths/results.rs`.
 
 use std::ops::Range;
 

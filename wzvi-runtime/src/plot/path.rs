@@ -1,4 +1,6 @@
 //! The figures of a path.
+//!
+//! Tested by `tests/paths/results.rs`.
 
 use super::figure::{Colour, Figure, Look};
 use crate::algebra::state::{State, Vector};

@@ -1,4 +1,6 @@
 //! Several figures in one file.
+//!
+//! Tested by `tests/paths/results.rs`.
 
 use std::io::Write;
 use std::path::Path;

@@ -1,4 +1,6 @@
 //! The figures of an ensemble.
+//!
+//! Tested by `tests/paths/results.rs`.
 
 use super::figure::{Figure, Look};
 use super::path::SHOWN;

@@ -1,4 +1,6 @@
 //! Errors over paths, on all threads: blocks of paths, whose results are taken in the order of their numbers.
+//!
+//! Tested by `tests/paths/report/estimators.rs`.
 
 use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, PoisonError};

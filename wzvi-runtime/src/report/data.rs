@@ -1,4 +1,6 @@
 //! The raw numbers of a measurement.
+//!
+//! Tested by `tests/paths/report/files.rs`.
 
 use serde::Serialize;
 

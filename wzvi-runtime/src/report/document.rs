@@ -1,4 +1,6 @@
 //! One page, complete in itself: text, figures with the tables behind them, no network.
+//!
+//! Tested by `tests/paths/report/page.rs`.
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -1,4 +1,6 @@
 //! A measurement as figures and as a page.
+//!
+//! Tested by `tests/paths/report/page.rs`.
 
 use std::path::Path;
 

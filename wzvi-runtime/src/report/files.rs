@@ -1,4 +1,6 @@
 //! Files of a report: complete or not at all.
+//!
+//! Tested by `tests/paths/report/files.rs`.
 
 use std::io::Write;
 use std::path::Path;

@@ -12,6 +12,8 @@
 //! Among runs of the same length the one with the smallest steps wins. Points to its left (larger steps) are
 //! pre-asymptotic, points to its right the plateau: an error that smaller steps do not lower, be it rounding,
 //! the reference or a wrong limit.
+//!
+//! Tested by `tests/paths/report/fit.rs`.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,6 @@
 //! Error against run time: the builder.
+//!
+//! Tested by `tests/paths/report/estimators.rs`.
 
 use super::Overlay;
 use super::method::Method;

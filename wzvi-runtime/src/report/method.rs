@@ -1,4 +1,6 @@
 //! Embeddings as values, so that a list can hold several types.
+//!
+//! Tested by `tests/paths/report/estimators.rs`.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

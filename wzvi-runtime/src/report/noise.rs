@@ -4,6 +4,8 @@
 //! thermostat with two O parts is driven by two, `W_1` and `W_2`, and converges to the path of
 //! `(W_1 + W_2) / √2`. With `W_{1,2} = (W ± W') / √2` and an independent `W'`, these are independent Wiener
 //! processes, and both thermostats converge to the path of `W`.
+//!
+//! Tested by `tests/paths/report/thermostats.rs`.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 

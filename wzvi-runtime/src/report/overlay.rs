@@ -1,4 +1,6 @@
 //! Points measured elsewhere.
+//!
+//! Tested by `tests/paths/report/files.rs`.
 
 use std::path::Path;
 

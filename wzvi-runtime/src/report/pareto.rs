@@ -1,4 +1,6 @@
 //! Which scheme and step size to use for a wanted error.
+//!
+//! Tested by `tests/paths/report/estimators.rs`.
 
 use super::fit::Slope;
 use super::{Cell, Report, duration, number};

@@ -1,4 +1,6 @@
 //! The measurement itself: references, errors over paths, times.
+//!
+//! Tested by `tests/paths/report/estimators.rs`.
 
 use std::time::{Duration, Instant};
 

@@ -2,6 +2,8 @@
 //!
 //! Over n paths with values x_i: mean m and standard error `s / sqrt(n)`, `s^2 = Σ (x_i - m)^2 / (n - 1)`;
 //! root mean square `r = sqrt(Σ x_i^2 / n)` with standard error `se(x^2) / (2 r)` (the delta method).
+//!
+//! Tested by `tests/paths/report/estimators.rs`.
 
 use serde::{Deserialize, Serialize};
 

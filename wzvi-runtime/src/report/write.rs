@@ -1,4 +1,6 @@
 //! A measurement as CSV and JSON.
+//!
+//! Tested by `tests/paths/report/files.rs`.
 
 use super::statistics::Spread;
 use super::{Cell, Report, ReportError};

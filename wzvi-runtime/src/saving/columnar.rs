@@ -1,4 +1,6 @@
 //! Tables as Parquet files, which pandas, polars, Julia and R read with their types.
+//!
+//! Tested by `tests/ensembles/large_tables.rs`.
 
 use std::io::{self, Write};
 use std::sync::Arc;

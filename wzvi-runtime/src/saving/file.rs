@@ -10,6 +10,8 @@
 //! * A symbolic link stays, and the file that it leads to is replaced. Permissions stay, too. Another hard
 //!   link to the old content keeps it.
 //! * A device, a pipe, a folder or a read-only file is refused, untouched.
+//!
+//! Tested by `wzvi-runtime/src/saving/file/tests.rs`.
 
 use std::fs::{self, File, Metadata, TryLockError};
 use std::hash::{BuildHasher, RandomState};

@@ -1,4 +1,6 @@
 //! Tables: columns with names, and their text as CSV and JSON.
+//!
+//! Tested by `tests/ensembles/statistics.rs` and `tests/paths/results.rs`.
 
 mod rows;
 

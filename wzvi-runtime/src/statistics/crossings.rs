@@ -1,4 +1,6 @@
 //! Crossings of sections by many paths.
+//!
+//! Tested by `tests/paths/between/ensembles.rs`.
 
 use super::run::Statistics;
 use super::statistic::{Seen, Statistic, Tables};

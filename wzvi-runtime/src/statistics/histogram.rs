@@ -1,4 +1,6 @@
 //! Counts in fixed bins.
+//!
+//! Tested by `tests/ensembles/statistics.rs`.
 
 use crate::error::{ConfigError, wrong};
 use crate::ground::digits::Brief;

@@ -1,4 +1,6 @@
 //! Paths that failed.
+//!
+//! Tested by `tests/ensembles/runs.rs`.
 
 use std::fmt;
 

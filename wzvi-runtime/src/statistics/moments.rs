@@ -1,4 +1,6 @@
 //! Means and covariances as the samples come, as in [`Welford`](crate::algebra::welford::Welford).
+//!
+//! Tested by `tests/ensembles/statistics.rs`.
 
 use crate::ground::numbers::{Numbers, Tape};
 

@@ -1,4 +1,6 @@
 //! The first time at which something happens.
+//!
+//! Tested by `tests/ensembles/statistics.rs`.
 
 use std::fmt;
 

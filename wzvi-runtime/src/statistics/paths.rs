@@ -1,4 +1,6 @@
 //! Whole paths, kept on request.
+//!
+//! Tested by `tests/ensembles/statistics.rs`.
 
 use crate::error::{ConfigError, wrong};
 use crate::ground::names::free;

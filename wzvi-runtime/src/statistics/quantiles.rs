@@ -5,6 +5,8 @@
 //! to the same numbers, so that merging loses nothing (C. Masson, J. E. Rim, H. K. Lee, "DDSketch: a fast and
 //! fully-mergeable quantile sketch with relative-error guarantees", Proc. VLDB Endow. 12, 2019, with the bins
 //! of binary numbers in place of a logarithm).
+//!
+//! Tested by `tests/ensembles/statistics.rs`.
 
 use std::borrow::Cow;
 use std::fmt;

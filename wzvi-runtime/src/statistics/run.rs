@@ -1,4 +1,6 @@
 //! The statistics of an ensemble, in memory that does not grow with the number of paths.
+//!
+//! Tested by `tests/ensembles/statistics.rs`.
 
 mod node;
 

@@ -1,4 +1,6 @@
 //! What is found out of many paths, path after path.
+//!
+//! Tested by `tests/ensembles/statistics.rs`.
 
 use std::any::Any;
 use std::fmt;

@@ -1,4 +1,6 @@
 //! Statistics as tables, and the tables as files.
+//!
+//! Tested by `tests/ensembles/statistics.rs`.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};

@@ -3,6 +3,8 @@
 //! All of them are parts of T_∘, whose points `a + j h/2` are counted by the integer `j`: nodes are even,
 //! mid-points odd. A scale is then where it begins, its stride in `j` (2, but 1 for T_∘ itself) and how many
 //! points it has. The operators `σ` and `ρ` add and subtract the stride, and no index arithmetic rounds.
+//!
+//! Tested by `wzvi-runtime/src/ground/calculus/tests.rs`.
 
 use std::fmt;
 use std::marker::PhantomData;

@@ -1,4 +1,6 @@
 //! Tables that are made of rows.
+//!
+//! Tested by `tests/ensembles/large_tables.rs`.
 
 use std::borrow::Cow;
 use std::iter::{self, Peekable};

@@ -1,4 +1,6 @@
 //! All paths of an ensemble at one time.
+//!
+//! Tested by `tests/ensembles/statistics.rs` and `tests/ensembles/control.rs`.
 
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::{Parts, Rows};
