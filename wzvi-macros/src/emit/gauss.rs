@@ -6,7 +6,9 @@ use quote::{format_ident, quote};
 
 use super::names::Names;
 use super::step::increment_names;
-use super::system::{Body, Read, count, evaluation, evaluation_over, parameter_names, state_names};
+use super::system::{
+    Body, Environment, Read, count, evaluation, evaluation_over, parameter_names, state_names,
+};
 use super::terms;
 use super::{discretized, implementation};
 use crate::describe::Texts;
@@ -90,13 +92,14 @@ fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read
     let own = parameter_names(&mut names, graph, &line.parameters);
     let dw = increment_names(&mut names, slopes.dw.len());
     let symbols = phase.q.iter().chain(&phase.p).chain(&slopes.dw).copied();
-    let mut bound: Vec<_> = symbols.zip(q.iter().chain(&p).chain(&dw).cloned()).collect();
+    let mut state: Vec<_> = symbols.zip(q.iter().chain(&p).chain(&dw).cloned()).collect();
     // Times and weights differ between stages.
-    bound.extend([(phase.t, format_ident!("__t")), (slopes.h, format_ident!("__h"))]);
+    state.extend([(phase.t, format_ident!("__t")), (slopes.h, format_ident!("__h"))]);
     let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
-    let numbers = (Some(&quote!(__S)), &quote!(__K));
-    let Body { statements, values, reads } =
-        evaluation_over(graph, &line.parameters, (names, own, bound), numbers, &roots);
+    let (scalar, constant) = (quote!(__S), quote!(__K));
+    let environment =
+        Environment { names, parameters: own, state, scalar: Some(&scalar), constant: &constant };
+    let Body { statements, values, reads } = evaluation_over(graph, &line.parameters, environment, &roots);
     let parameters: Vec<_> = reads.iter().map(|read| &read.name).collect();
     let open = (!parameters.is_empty()).then(|| quote!(let [#(#parameters),*] = *__parameters;));
     let (by_q, by_p) = values.split_at(phase.q.len());

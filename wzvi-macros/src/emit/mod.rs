@@ -54,7 +54,7 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
     let listed = system.listed().iter().map(|parameter| &parameter.tokens);
     let (item, type_checks) = (&system.item, &system.type_checks);
     let tokens = with_header(item, read.iter().chain(listed));
-    let generated = readable(generated, &system.crate_path, (tokens, type_checks), &item.generics);
+    let generated = readable(generated, &system.crate_path, tokens, type_checks, &item.generics);
     let implementations = quote! {
         #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
         const _: () = {

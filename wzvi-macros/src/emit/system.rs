@@ -46,11 +46,27 @@ pub(crate) fn parameter_names(names: &mut Names, graph: &Graph, parameters: &[Pa
     names.take_all(parameters.iter().map(wish))
 }
 
+/// The names and the types of numbers in a function body.
+pub(crate) struct Environment<'t> {
+    /// The names that are taken.
+    pub(crate) names: Names,
+    /// The names of the parameters, in their order.
+    pub(crate) parameters: Vec<Ident>,
+    /// The symbols of the state, with the names that they are bound to.
+    pub(crate) state: Vec<(Symbol, Ident)>,
+    /// The type of values that read the state; `None` if every value is a constant.
+    pub(crate) scalar: Option<&'t TokenStream>,
+    /// The type of parameters.
+    pub(crate) constant: &'t TokenStream,
+}
+
 /// The evaluation of functions of parameters in constants `__K`, with the parameters read first: with derivatives from the list `__parameters`.
 pub(crate) fn evaluation(graph: &mut Graph, parameters: &[Parameter], roots: &[Expr]) -> Body {
-    let (mut names, number) = (Names::default(), quote!(__K));
+    let (mut names, constant) = (Names::default(), quote!(__K));
     let own = parameter_names(&mut names, graph, parameters);
-    let body = evaluation_over(graph, parameters, (names, own, Vec::new()), (None, &number), roots);
+    let environment =
+        Environment { names, parameters: own, state: Vec::new(), scalar: None, constant: &constant };
+    let body = evaluation_over(graph, parameters, environment, roots);
     let reads = body.reads.iter().map(|Read { number, name, tokens }| {
         let number = count(*number);
         quote!(let #name = __K::parameter(__parameters, #number, #tokens);)
@@ -59,18 +75,17 @@ pub(crate) fn evaluation(graph: &mut Graph, parameters: &[Parameter], roots: &[E
     Body { statements: quote!(#(#reads)* #statements), ..body }
 }
 
-/// The evaluation of `roots` in the type `scalar`, with the symbols of the state `bound` to some of `names`, and parameters to names of their
-/// `own`; in constants where there is no `scalar`. Parameters have the type `constant`.
+/// The evaluation of `roots` in an environment: in its scalar type, or in constants if it has none.
 pub(crate) fn evaluation_over(
     graph: &mut Graph,
     parameters: &[Parameter],
-    (names, own, bound): (Names, Vec<Ident>, Vec<(Symbol, Ident)>),
-    (scalar, constant): (Option<&TokenStream>, &TokenStream),
+    environment: Environment<'_>,
     roots: &[Expr],
 ) -> Body {
+    let Environment { names, parameters: own, state, scalar, constant } = environment;
     let mut lowering = Lowering::new(graph, HashMap::new());
     let bound: Vec<(Op, Ident)> =
-        bound.into_iter().map(|(symbol, name)| (lowering.input(symbol, Level::State), name)).collect();
+        state.into_iter().map(|(symbol, name)| (lowering.input(symbol, Level::State), name)).collect();
     let mut reads = Vec::new();
     for (number, (name, Parameter { symbol, tokens, .. })) in own.into_iter().zip(parameters).enumerate() {
         let op = lowering.input(*symbol, Level::Prepared);

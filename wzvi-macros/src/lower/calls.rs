@@ -32,7 +32,7 @@ impl<'a> Interpreter<'a, '_> {
             return None;
         }
         if let Some((function, home)) = self.shared(&syntax.func) {
-            return self.apply_shared((function, home), &syntax.args, syntax);
+            return self.apply_shared(function, home, &syntax.args, syntax);
         }
         let function = match &*syntax.func {
             // A single name is a variable; as a function it is opaque.
@@ -109,7 +109,8 @@ impl<'a> Interpreter<'a, '_> {
     /// Inlines the body of a shared function: it sees its parameters and the names at its definition.
     fn apply_shared(
         &mut self,
-        (function, home): (&'a Function, &'a Library),
+        function: &'a Function,
+        home: &'a Library,
         arguments: &'a Punctuated<Syntax, Token![,]>,
         at: &dyn ToTokens,
     ) -> Option<Value> {
@@ -186,7 +187,7 @@ impl<'a> Interpreter<'a, '_> {
     pub(super) fn method_call(&mut self, syntax: &'a ExprMethodCall) -> Option<Value> {
         if is_self(&syntax.receiver) {
             if let Some(method) = self.method(&syntax.method.to_string()) {
-                return self.apply_shared((method, self.root), &syntax.args, syntax);
+                return self.apply_shared(method, self.root, &syntax.args, syntax);
             }
             if self.awaits_definitions() {
                 return None;

@@ -7,7 +7,7 @@ use syn::visit::Visit;
 use syn::{Block, Expr as Syntax, ExprBinary, ExprForLoop, ExprIf, ExprRepeat, Ident, Item, Local, Stmt};
 
 use super::interpreter::{Interpreter, last_expression};
-use super::operators::compound;
+use super::operators::{Operand, compound};
 use super::patterns::Names;
 use super::scope::Binding;
 use super::sequences::Sequence;
@@ -144,9 +144,10 @@ impl<'a> Interpreter<'a, '_> {
             (Value::Known(_) | Value::Condition(_), Value::Known(_) | Value::Condition(_)) => {
                 let holds = Value::Condition(condition);
                 let fails = self.denied(&holds)?;
-                let then = self.combine(Junction::And, (holds, &at), (then.clone(), &at))?;
-                let otherwise = self.combine(Junction::And, (fails, &at), (otherwise.clone(), &at))?;
-                self.combine(Junction::Or, (then, &at), (otherwise, &at))?
+                let operand = |value: Value| Operand::new(value, &at);
+                let then = self.combine(Junction::And, operand(holds), operand(then.clone()))?;
+                let otherwise = self.combine(Junction::And, operand(fails), operand(otherwise.clone()))?;
+                self.combine(Junction::Or, operand(then), operand(otherwise))?
             }
             (Value::Sequence(a), Value::Sequence(b)) => {
                 let (a, b) = (self.known_list(a, &at)?, self.known_list(b, &at)?);

@@ -83,12 +83,27 @@ pub(super) struct Evaluation<'a> {
 
 impl<'a, 'd> Interpreter<'a, 'd> {
     pub(super) fn new(
-        (graph, symbols, tables, space): (Graph, Symbols, Tables, Space<'a>),
-        (system, root): (&'a Container, &'a Library),
+        graph: Graph,
+        symbols: Symbols,
+        tables: Tables,
+        space: Space<'a>,
+        system: &'a Container,
+        root: &'a Library,
         diagnostics: &'d mut Diagnostics,
     ) -> Self {
-        let (parameters, naturals, now, untyped) = Default::default();
-        Self { graph, system, parameters, root, symbols, tables, space, naturals, now, untyped, diagnostics }
+        Self {
+            graph,
+            system,
+            parameters: Distinct::default(),
+            root,
+            symbols,
+            tables,
+            space,
+            naturals: Distinct::default(),
+            now: Evaluation::default(),
+            untyped: Untyped::default(),
+            diagnostics,
+        }
     }
 
     /// Starts the next Hamiltonian: clears everything but the graph and the meaning of its symbols.

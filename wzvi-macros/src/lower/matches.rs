@@ -4,6 +4,7 @@ use quote::ToTokens;
 use syn::{BinOp, Expr as Syntax, ExprMatch, Pat, RangeLimits};
 
 use super::interpreter::{Interpreter, result_of};
+use super::operators::Operand;
 use super::value::Value;
 use crate::diagnostics::expressions;
 use crate::symbolic::{Expr, Junction};
@@ -75,11 +76,8 @@ impl<'a> Interpreter<'a, '_> {
                 Some(Value::Known(false)) => Some(Value::Known(false)),
                 fits => {
                     let holds = self.evaluate(&guarded.guard);
-                    self.combine(
-                        Junction::And,
-                        (fits.unwrap_or_default(), &guarded.pat),
-                        (holds, &guarded.guard),
-                    )
+                    let fits = Operand::new(fits.unwrap_or_default(), &guarded.pat);
+                    self.combine(Junction::And, fits, Operand::new(holds, &guarded.guard))
                 }
             },
             Pat::Paren(inner) => self.pattern_condition(scrutinee, &inner.pat),
@@ -95,7 +93,8 @@ impl<'a> Interpreter<'a, '_> {
                 let mut any = Value::Known(false);
                 for alternative in &alternatives.cases {
                     let fits = self.pattern_condition(scrutinee, alternative).unwrap_or_default();
-                    any = self.combine(Junction::Or, (any, pattern), (fits, alternative)).unwrap_or_default();
+                    let (known, fits) = (Operand::new(any, pattern), Operand::new(fits, alternative));
+                    any = self.combine(Junction::Or, known, fits).unwrap_or_default();
                 }
                 Some(any)
             }
@@ -110,8 +109,8 @@ impl<'a> Interpreter<'a, '_> {
                     let Some(bound) = bound else { continue };
                     let bound = self.evaluate(bound);
                     let fits = self.relates(scrutinee, operator, bound, pattern).unwrap_or_default();
-                    within =
-                        self.combine(Junction::And, (within, pattern), (fits, pattern)).unwrap_or_default();
+                    let (known, fits) = (Operand::new(within, pattern), Operand::new(fits, pattern));
+                    within = self.combine(Junction::And, known, fits).unwrap_or_default();
                 }
                 Some(within)
             }
@@ -130,11 +129,12 @@ impl<'a> Interpreter<'a, '_> {
         match (scrutinee, value) {
             (Value::Poison, _) | (_, Value::Poison) => None,
             (Value::Known(_) | Value::Condition(_), value @ Value::Known(_)) => {
-                self.compared(&operator, (scrutinee.clone(), pattern), (value, pattern), pattern)
+                let (own, value) = (Operand::new(scrutinee.clone(), pattern), Operand::new(value, pattern));
+                self.compared(&operator, own, value, pattern)
             }
             (Value::Index(..) | Value::Constant(_), value @ (Value::Index(..) | Value::Constant(_))) => {
                 let own = Value::index(self.settled(scrutinee, pattern)?);
-                self.compared(&operator, (own, pattern), (value, pattern), pattern)
+                self.compared(&operator, Operand::new(own, pattern), Operand::new(value, pattern), pattern)
             }
             _ => {
                 let pattern = pattern.to_token_stream();

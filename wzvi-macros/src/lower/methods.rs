@@ -82,7 +82,7 @@ impl<'a> Interpreter<'a, '_> {
             }
             _ => {
                 let argument = arguments.first().unwrap_or(&Value::Poison);
-                Value::sequence(self.adapted(name, sequence, argument, (from, &syntax.args))?)
+                Value::sequence(self.adapted(name, sequence, argument, from, &syntax.args)?)
             }
         };
         if matches!((name, &value), ("sum" | "product", Value::Real(_))) && syntax.turbofish.is_none() {

@@ -77,8 +77,8 @@ pub(crate) fn lower(
     let t = graph.new_symbol(&phase_space.t);
     let mut tables = Tables::default();
     let space = Space::new(&mut tables, &phase_space.shape, t);
-    let mut interpreter =
-        Interpreter::new((graph, symbols, tables, space), (&container, &declaration.library), diagnostics);
+    let library = &declaration.library;
+    let mut interpreter = Interpreter::new(graph, symbols, tables, space, &container, library, diagnostics);
 
     let drift = interpreter.terms(declaration.of(Role::Drift));
     let noise = declaration.of(Role::Noise).chain(declaration.of(Role::NoiseForce));

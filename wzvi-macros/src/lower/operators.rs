@@ -21,6 +21,18 @@ enum Chain {
     Product(Vec<Expr>),
 }
 
+/// An operand of a comparison or a connective, with its place for messages.
+pub(super) struct Operand<'t> {
+    pub(super) value: Value,
+    pub(super) at: &'t dyn ToTokens,
+}
+
+impl<'t> Operand<'t> {
+    pub(super) fn new(value: Value, at: &'t dyn ToTokens) -> Self {
+        Self { value, at }
+    }
+}
+
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn literal(&mut self, literal: &Lit) -> Option<Value> {
         match literal {
@@ -87,7 +99,8 @@ impl<'a> Interpreter<'a, '_> {
         if !is_arithmetic(&syntax.op) {
             let (left, right) = (self.evaluate(&syntax.left), self.evaluate(&syntax.right));
             let (left, right) = (left.known()?, right.known()?);
-            return self.compared(&syntax.op, (left, &syntax.left), (right, &syntax.right), syntax);
+            let (left, right) = (Operand::new(left, &syntax.left), Operand::new(right, &syntax.right));
+            return self.compared(&syntax.op, left, right, syntax);
         }
         let mut spine = vec![syntax];
         let mut first = &*syntax.left;
@@ -144,8 +157,8 @@ impl<'a> Interpreter<'a, '_> {
         };
         let chain = chain?;
         let factor = match operator {
-            BinOp::Add(_) => return self.add_term(chain, (right, Rational::ONE)),
-            BinOp::Sub(_) => return self.add_term(chain, (right, Rational::MINUS_ONE)),
+            BinOp::Add(_) => return self.add_term(chain, right, Rational::ONE),
+            BinOp::Sub(_) => return self.add_term(chain, right, Rational::MINUS_ONE),
             BinOp::Mul(_) => right,
             BinOp::Div(_) if self.graph.is_zero(right) => {
                 return self.refuse(expressions::division_by_zero(&link.right));
@@ -164,12 +177,12 @@ impl<'a> Interpreter<'a, '_> {
         Some(Chain::Product(factors))
     }
 
-    fn add_term(&mut self, chain: Chain, term: (Expr, Rational)) -> Option<Chain> {
+    fn add_term(&mut self, chain: Chain, term: Expr, coefficient: Rational) -> Option<Chain> {
         let mut terms = match chain {
             Chain::Sum(terms) => terms,
             chain => vec![(self.close(chain).as_real()?, Rational::ONE)],
         };
-        terms.push(term);
+        terms.push((term, coefficient));
         Some(Chain::Sum(terms))
     }
 
@@ -207,10 +220,12 @@ impl<'a> Interpreter<'a, '_> {
     pub(super) fn compared(
         &mut self,
         operator: &BinOp,
-        (left, at_left): (Value, &dyn ToTokens),
-        (right, at_right): (Value, &dyn ToTokens),
+        left: Operand<'_>,
+        right: Operand<'_>,
         at: &dyn ToTokens,
     ) -> Option<Value> {
+        let Operand { value: left, at: at_left } = left;
+        let Operand { value: right, at: at_right } = right;
         let (relation, is_turned) = match operator {
             BinOp::Lt(_) => (Relation::Less, false),
             BinOp::Le(_) => (Relation::LessEqual, false),
@@ -271,7 +286,8 @@ impl<'a> Interpreter<'a, '_> {
                 return self.mismatch(&syntax.right, "a condition", &right);
             }
             let differ = BinOp::Ne(Default::default());
-            return self.compared(&differ, (left, &syntax.left), (right, &syntax.right), syntax);
+            let (left, right) = (Operand::new(left, &syntax.left), Operand::new(right, &syntax.right));
+            return self.compared(&differ, left, right, syntax);
         }
         let (base, exponent) = (last_operand(&syntax.left), first_operand(&syntax.right));
         self.refuse(expressions::power(quote!(#base #exponent), base, exponent, left.is_integer()))
@@ -286,7 +302,7 @@ impl<'a> Interpreter<'a, '_> {
         {
             return self.refuse(expressions::unsupported(syntax.op, "this operator on numbers", OPERATORS));
         }
-        self.combine(junction, (left, &*syntax.left), (right, &*syntax.right))
+        self.combine(junction, Operand::new(left, &syntax.left), Operand::new(right, &syntax.right))
     }
 
     fn logical(&mut self, syntax: &'a ExprBinary) -> Option<Value> {
@@ -301,18 +317,18 @@ impl<'a> Interpreter<'a, '_> {
         self.now.branch += 1;
         let right = self.evaluate(&syntax.right);
         self.now.branch -= 1;
-        self.combine(junction, (left, &*syntax.left), (right, &*syntax.right))
+        self.combine(junction, Operand::new(left, &syntax.left), Operand::new(right, &syntax.right))
     }
 
     /// `left && right`, or `left || right`.
     pub(super) fn combine(
         &mut self,
         junction: Junction,
-        (left, at_left): (Value, &dyn ToTokens),
-        (right, at_right): (Value, &dyn ToTokens),
+        left: Operand<'_>,
+        right: Operand<'_>,
     ) -> Option<Value> {
         let decisive = junction == Junction::Or;
-        match (left.known()?, right.known()?) {
+        match (left.value.known()?, right.value.known()?) {
             (Value::Known(known), _) if known == decisive => Some(Value::Known(known)),
             (Value::Known(_), right @ (Value::Known(_) | Value::Condition(_))) => Some(right),
             (Value::Condition(_), Value::Known(known)) if known == decisive => Some(Value::Known(known)),
@@ -320,8 +336,8 @@ impl<'a> Interpreter<'a, '_> {
             (Value::Condition(left), Value::Condition(right)) => {
                 Some(Value::Condition(self.graph.join(junction, left, right)))
             }
-            (Value::Known(_) | Value::Condition(_), other) => self.mismatch(at_right, "a condition", &other),
-            (other, _) => self.mismatch(at_left, "a condition", &other),
+            (Value::Known(_) | Value::Condition(_), other) => self.mismatch(right.at, "a condition", &other),
+            (other, _) => self.mismatch(left.at, "a condition", &other),
         }
     }
 

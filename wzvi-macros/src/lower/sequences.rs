@@ -49,7 +49,8 @@ pub(super) enum Source {
 
 impl Sequence {
     fn new(
-        (source, depth): (Source, u32),
+        source: Source,
+        depth: u32,
         length: Option<Index>,
         item: impl for<'a, 'd> Fn(&mut Interpreter<'a, 'd>, &Index, &dyn ToTokens) -> Option<Value> + 'static,
     ) -> Self {
@@ -64,19 +65,19 @@ impl Sequence {
         let length = if let Some(end) = &end { Some(end.subtract(&start)?) } else { None };
         let source = Source::Range(start.clone(), end);
         let item = move |k: &Index| Some(Value::index(start.add(k)?).unsigned(is_unsigned));
-        Some(Self::new((source, 1), length, move |_, k, _| item(k)))
+        Some(Self::new(source, 1, length, move |_, k, _| item(k)))
     }
 
     pub(super) fn array(array: Array) -> Self {
         let (length, array) = (Some(array.length.clone()), Rc::new(array));
         let source = Source::Array(array.clone());
-        Self::new((source, 1), length, move |this, k, at| this.array_element(&array, k, at))
+        Self::new(source, 1, length, move |this, k, at| this.array_element(&array, k, at))
     }
 
     pub(super) fn known(items: Vec<Value>) -> Self {
         let (count, items) = (items.len(), Items::new(items));
-        let source = (Source::Known(items.clone()), items.depth);
-        Self::new(source, Some(Index::integer(count as i128)), move |this, k, at| {
+        let (source, depth) = (Source::Known(items.clone()), items.depth);
+        Self::new(source, depth, Some(Index::integer(count as i128)), move |this, k, at| {
             let k = this.known_integer(Value::index(k.clone()), at)?;
             let item = usize::try_from(k).ok().and_then(|k| items.items.get(k));
             if item.is_none() {
@@ -97,8 +98,8 @@ impl Sequence {
         length: Option<Index>,
         position: impl Fn(&Index) -> Option<Index> + 'static,
     ) -> Self {
-        let made = (Source::Positions, inner.depth + 1);
-        Self::new(made, length, move |this, k, at| this.item(&inner, &position(k)?, at))
+        let depth = inner.depth + 1;
+        Self::new(Source::Positions, depth, length, move |this, k, at| this.item(&inner, &position(k)?, at))
     }
 
     /// Lists of adjacent items, by start and length.
@@ -107,8 +108,8 @@ impl Sequence {
         length: Option<Index>,
         stretch: impl Fn(&Index) -> Option<(Index, Index)> + 'static,
     ) -> Self {
-        let made = (Source::Positions, inner.depth + 1);
-        Self::new(made, length, move |this, k, at| {
+        let depth = inner.depth + 1;
+        Self::new(Source::Positions, depth, length, move |this, k, at| {
             let (start, length) = stretch(k)?;
             this.stretch(&inner, &start, &length, at)
         })
@@ -120,7 +121,7 @@ impl Sequence {
         if inner.item.is_none() {
             return Self::walked(Source::Map(inner, function), depth);
         }
-        Self::new((Source::Positions, depth), inner.length.clone(), move |this, k, at| {
+        Self::new(Source::Positions, depth, inner.length.clone(), move |this, k, at| {
             let item = this.item(&inner, k, at)?;
             Some(this.apply(&function, vec![item], at).unwrap_or_default())
         })
@@ -131,8 +132,8 @@ impl Sequence {
             (Some(a), Some(b)) => Some(a.minimum(b)),
             (a, b) => a.clone().or(b.clone()),
         };
-        let made = (Source::Positions, a.depth.max(b.depth) + 1);
-        Self::new(made, length, move |this, k, at| {
+        let depth = a.depth.max(b.depth) + 1;
+        Self::new(Source::Positions, depth, length, move |this, k, at| {
             Some(Value::tuple(vec![this.item(&a, k, at)?, this.item(&b, k, at)?]))
         })
     }
@@ -144,7 +145,7 @@ impl Sequence {
             return Self::walked(source, depth);
         };
         let length = this.length(&b).and_then(|second| first.add(&second));
-        Self::new((source, depth), length, move |this, k, at| {
+        Self::new(source, depth, length, move |this, k, at| {
             let rest = k.subtract(&first)?;
             match this.is_less(&rest, false) {
                 Value::Known(true) => this.item(&a, k, at),
@@ -193,7 +194,8 @@ impl<'a> Interpreter<'a, '_> {
         name: &str,
         inner: Rc<Sequence>,
         argument: &Value,
-        (from, at): (&dyn ToTokens, &dyn ToTokens),
+        from: &dyn ToTokens,
+        at: &dyn ToTokens,
     ) -> Option<Sequence> {
         let depth = inner.depth + 1;
         match name {

@@ -147,7 +147,7 @@ impl Graph {
                 if root != Function::Abs || beside.is_some() {
                     let m = beside.map_or(Rational::ZERO, |at| others.remove(at).1);
                     if slopes.of(x) != slopes.zero
-                        && let Some((total, lower)) = lowered(root, (base, exponent), (x, m))
+                        && let Some((total, lower)) = lowered(root, base, exponent, x, m)
                         && let Some(total) = self.with_roots(total, beside.and(Some(others.as_slice())), x)
                     {
                         others.extend(lower);
@@ -420,8 +420,10 @@ fn exponent_of(root: Function) -> Rational {
 /// `(root of x)^n x^m / x` as powers, and the exponent of `x` in the product before the division.
 fn lowered(
     root: Function,
-    (base, n): (Expr, Rational),
-    (x, m): (Expr, Rational),
+    base: Expr,
+    n: Rational,
+    x: Expr,
+    m: Rational,
 ) -> Option<(Rational, Vec<(Expr, Rational)>)> {
     let degree = match root {
         Function::Sqrt => 2,

@@ -91,7 +91,7 @@ impl Rational {
 
     pub(crate) fn power(self, exponent: i64) -> Option<Self> {
         let base = if exponent < 0 { self.recip()? } else { self };
-        power((Self::ONE, base), exponent.unsigned_abs(), Self::multiply)
+        power(Self::ONE, base, exponent.unsigned_abs(), Self::multiply)
     }
 
     /// The exact value of a finite `f64`, if it is representable.
@@ -128,7 +128,8 @@ impl Rational {
 
 /// `base^exponent` by repeated squaring; `None` if a product is.
 pub(super) fn power<T: Copy>(
-    (one, base): (T, T),
+    one: T,
+    base: T,
     exponent: u64,
     multiply: impl Fn(T, T) -> Option<T>,
 ) -> Option<T> {

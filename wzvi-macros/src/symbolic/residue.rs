@@ -190,7 +190,7 @@ impl Field {
     }
 
     fn power(self, base: Residue, exponent: u64) -> Residue {
-        let power = power((Residue::ONE, base), exponent, |a, b| Some(self.multiply(a, b)));
+        let power = power(Residue::ONE, base, exponent, |a, b| Some(self.multiply(a, b)));
         power.unwrap_or(Residue::ZERO)
     }
 

@@ -47,6 +47,12 @@ impl Factor {
     }
 }
 
+/// A factor, and its slope by one of its variables.
+struct FactorSlope<'f> {
+    factor: &'f Factor,
+    slope: Expr,
+}
+
 /// The places at which a sum reads one half of the phase space: constant ones and loop-dependent ones.
 #[derive(Default)]
 struct Readers {
@@ -106,7 +112,9 @@ impl Calculus<'_> {
                         continue;
                     }
                     let equation = Equation { difference: place.subtract(&there)?, is_of_slots: true };
-                    self.place([(one, slope), (two, speed)], equation, increments, &mut groups)?;
+                    let slopes =
+                        [FactorSlope { factor: one, slope }, FactorSlope { factor: two, slope: speed }];
+                    self.place(slopes, equation, increments, &mut groups)?;
                 }
             }
         }
@@ -116,11 +124,12 @@ impl Calculus<'_> {
     /// Adds the product of two slopes, restricted to the solutions of an equation.
     fn place(
         &mut self,
-        [(one, slope), (two, speed)]: [(&Factor, Expr); 2],
+        slopes: [FactorSlope<'_>; 2],
         equation: Equation,
         increments: Increments,
         groups: &mut Groups,
     ) -> Option<()> {
+        let [one, two] = slopes.each_ref().map(|slope| slope.factor);
         let numbers = joined(&one.increments, &two.increments, increments);
         let mut equations = vec![equation];
         if increments == Increments::Diagonal {
@@ -132,7 +141,7 @@ impl Calculus<'_> {
             && two.element.loops.is_empty()
             && equations.iter().all(|e| e.difference == Index::default())
         {
-            let product = self.graph.multiply(slope, speed);
+            let product = self.graph.multiply(slopes[0].slope, slopes[1].slope);
             groups.add(Vec::new(), numbers, product, Rational::ONE);
             return Some(());
         }
@@ -148,7 +157,7 @@ impl Calculus<'_> {
         let read = space.images(&placement, &[one, two])?;
         placed.settle(space, &read)?;
         let mut value = Vec::new();
-        for (factor, part) in [(one, slope), (two, speed)] {
+        for FactorSlope { factor, slope } in slopes {
             let mut images = HashMap::new();
             for local in &factor.element.locals {
                 let slot = local.slot.map(|index| placed.moved(&placement.image(space, index)?))?;
@@ -157,7 +166,7 @@ impl Calculus<'_> {
                     images.insert(local.symbol, graph.symbol(symbol));
                 }
             }
-            value.extend(graph.substitute(&[part], &images));
+            value.extend(graph.substitute(&[slope], &images));
         }
         let product = graph.product(&value);
         let mut numbers = numbers.iter().map(|index| placed.moved(index)).collect::<Option<Vec<_>>>()?;

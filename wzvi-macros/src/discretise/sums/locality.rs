@@ -14,6 +14,8 @@
 //!
 //! With `n = 1 .. 10 w + 5` all sizes are decided.
 
+use std::collections::HashMap;
+
 use super::{Space, Sum, Weighted};
 use crate::model::{Atom, Index, Loop, Operation, Slot};
 
@@ -53,8 +55,8 @@ impl Space {
             weighted.moved(&|index| lifted(index, n, 1), &|index| lifted(index, n, self.components))
         };
         let sum = sum.iter().map(lift_one).collect::<Option<Sum>>()?;
-        let (symbols, slots) = Default::default();
-        let space = Self { size: Index::atom(Atom::Size), symbols, slots, ..self.clone() };
+        let size = Index::atom(Atom::Size);
+        let space = Self { size, symbols: HashMap::new(), slots: HashMap::new(), ..self.clone() };
         Some((space, sum))
     }
 }
@@ -82,17 +84,17 @@ fn lifted(index: &Index, n: i128, stride: i128) -> Option<Index> {
 /// Whether a loop runs at most once, as a condition.
 pub(super) fn is_condition(known: &Loop) -> bool {
     let is_bounded_by_one = |end: &Index| match end.terms.as_slice() {
-        [(Atom::Of(Operation::Minimum, both), 1)] if end.constant == 0 => has_one(both),
+        [(Atom::Of(Operation::Minimum, both), 1)] if end.constant == 0 => has_one(&both.0, &both.1),
         _ => false,
     };
     known.start == Index::default() && is_bounded_by_one(&known.end)
 }
 
-/// Whether one is 1, or bounded by it.
-fn has_one(both: &(Index, Index)) -> bool {
-    [&both.0, &both.1].into_iter().any(|part| match part.terms.as_slice() {
+/// Whether one of two indices is 1, or a minimum with 1.
+fn has_one(a: &Index, b: &Index) -> bool {
+    [a, b].into_iter().any(|part| match part.terms.as_slice() {
         [] => part.constant == 1,
-        [(Atom::Of(Operation::Minimum, inner), 1)] if part.constant == 0 => has_one(inner),
+        [(Atom::Of(Operation::Minimum, inner), 1)] if part.constant == 0 => has_one(&inner.0, &inner.1),
         _ => false,
     })
 }

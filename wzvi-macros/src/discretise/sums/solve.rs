@@ -236,7 +236,7 @@ impl Solver<'_> {
                 if let Some(distance) =
                     inner.subtract(&target)?.as_integer().filter(|distance| *distance != 0)
                 {
-                    return self.close_ring(distance, &target, wrapped);
+                    return self.close_ring(distance, &target, inner, modulus);
                 }
                 let own = self.loops.iter().find(|own| {
                     inner.slope(own.variable) == Some(1)
@@ -264,12 +264,7 @@ impl Solver<'_> {
     }
 
     /// `(b + c) mod n = b` with `0 <= b < n`: only if `n` divides `c`, which depends on the size.
-    fn close_ring(
-        &mut self,
-        distance: i128,
-        target: &Index,
-        (inner, modulus): &(Index, Index),
-    ) -> Option<bool> {
+    fn close_ring(&mut self, distance: i128, target: &Index, inner: &Index, modulus: &Index) -> Option<bool> {
         let in_range = self.is_nonnegative(target) && self.is_positive(&modulus.subtract(target)?);
         if !in_range || !self.is_nonnegative(inner) {
             return Some(false);

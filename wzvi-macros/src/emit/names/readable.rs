@@ -19,18 +19,21 @@ use crate::tokens::regrouped;
 const ROOT: &str = "__wzvi";
 /// Types whose names do not start with a capital.
 const PRIMITIVES: [&str; 7] = ["bool", "f64", "i128", "isize", "str", "u32", "usize"];
+/// Keywords before the name of an item.
 const DECLARING: [&str; 4] = ["const", "fn", "struct", "type"];
-/// `generated` with readable names and its imports. The facade crate has `crate_path` in the user's crate; of the user's tokens, `tokens`
-/// are in the code, and `spelled` are all others.
+
+/// `generated` with readable names and its imports. `crate_path` names the facade crate in the user's crate. The
+/// user's tokens in the code are `in_code`, the user's other tokens `elsewhere`.
 pub(crate) fn readable(
     generated: TokenStream,
     crate_path: &syn::Path,
-    (tokens, spelled): (TokenStream, &TokenStream),
+    in_code: TokenStream,
+    elsewhere: &TokenStream,
     generics: &syn::Generics,
 ) -> TokenStream {
     let mut of_user = HashSet::new();
-    listen(tokens, &mut of_user, &|word| !word.starts_with(MARK));
-    listen(spelled.clone(), &mut of_user, &|word| word.starts_with(MARK) && !word.starts_with(ROOT));
+    listen(in_code, &mut of_user, &|word| !word.starts_with(MARK));
+    listen(elsewhere.clone(), &mut of_user, &|word| word.starts_with(MARK) && !word.starts_with(ROOT));
     if crate_path.leading_colon.is_none() {
         listen(quote!(#crate_path), &mut of_user, &|_| true);
     }

@@ -55,21 +55,23 @@ impl Nests<'_> {
         &mut self,
         weighted: &Weighted,
         weight: Weight<'_>,
-        (mut outputs, definitions): Outputs,
+        outputs: Outputs,
     ) -> TokenStream {
-        outputs.retain(|(value, _)| !self.model.graph.is_zero(*value));
-        if outputs.is_empty() {
+        let Outputs { mut values, definitions } = outputs;
+        values.retain(|(value, _)| !self.model.graph.is_zero(*value));
+        if values.is_empty() {
             return TokenStream::new();
         }
-        let arithmetic = self.arithmetic(weighted, weight, (&outputs, definitions));
-        self.in_loops(weighted, weight, &outputs, &arithmetic)
+        let arithmetic = self.arithmetic(weighted, weight, &values, definitions);
+        self.in_loops(weighted, weight, &values, &arithmetic)
     }
 
     fn arithmetic(
         &mut self,
         weighted: &Weighted,
         weight: Weight<'_>,
-        (outputs, definitions): (&[(Expr, Target)], HashMap<Symbol, Expr>),
+        outputs: &[(Expr, Target)],
+        definitions: HashMap<Symbol, Expr>,
     ) -> Arithmetic {
         let System { graph, parameters, t, scale, tables, components, .. } = &mut *self.model;
         let element = &weighted.element;

@@ -12,8 +12,13 @@ use crate::discretise::{PartElements, Weighted, family_of};
 use crate::model::{Element, Half, Index, Reads, System};
 use crate::symbolic::{Expr, Symbol};
 
-/// Values to compute with their targets, and the definitions of their symbols.
-pub(super) type Outputs = (Vec<(Expr, Target)>, HashMap<Symbol, Expr>);
+/// Values to compute, with their targets.
+#[derive(Default)]
+pub(super) struct Outputs {
+    pub(super) values: Vec<(Expr, Target)>,
+    /// The definitions of the symbols in the values.
+    pub(super) definitions: HashMap<Symbol, Expr>,
+}
 
 /// The code that computes one quantity of the elements of a system.
 pub(super) struct Nests<'m> {
@@ -81,8 +86,8 @@ impl Nests<'_> {
     /// The value of one element, with the weight `inside` its loops, and its target. A covector has no value.
     fn value(&mut self, weighted: &Weighted, inside: Option<&TokenStream>, to: Target) -> TokenStream {
         let (value, weight) = self.weighed(&weighted.element, inside);
-        let outputs = if weighted.element.is_covector() { Vec::new() } else { vec![(value, to)] };
-        self.computed(weighted, weight, (outputs, HashMap::new()))
+        let values = if weighted.element.is_covector() { Vec::new() } else { vec![(value, to)] };
+        self.computed(weighted, weight, Outputs { values, ..Outputs::default() })
     }
 
     /// `c H_e` with a symbol for the weight `c`, if there is one.
@@ -106,7 +111,7 @@ impl Nests<'_> {
         };
         let (value, weight) = self.weighed(element, weight);
         let outputs = match (element.is_covector(), self.wanted) {
-            (true, _) => (self.of_covector(element, value), HashMap::new()),
+            (true, _) => Outputs { values: self.of_covector(element, value), ..Outputs::default() },
             (false, Wanted::Curvature) => self.curvatures(element, value),
             (false, _) => self.slopes(element, value),
         };
@@ -122,8 +127,9 @@ impl Nests<'_> {
             None => symbols.iter().map(|symbol| graph.derivative(value, *symbol)).collect(),
         };
         let places = places(element).into_iter();
-        let outputs = slopes.into_iter().zip(places.map(|(half, index)| Target::slope(half, index)));
-        (outputs.collect(), combined.map(|combined| combined.definitions).unwrap_or_default())
+        let values = slopes.into_iter().zip(places.map(|(half, index)| Target::slope(half, index)));
+        let definitions = combined.map(|combined| combined.definitions).unwrap_or_default();
+        Outputs { values: values.collect(), definitions }
     }
 
     fn curvatures(&mut self, element: &Element, value: Expr) -> Outputs {
@@ -141,8 +147,8 @@ impl Nests<'_> {
             let (row, column) = (row.clone(), column.clone());
             Target::Curvature { by, row, column, is_alone: first == second }
         });
-        let outputs = found.into_iter().zip(targets).collect();
-        (outputs, combined.map(|combined| combined.definitions).unwrap_or_default())
+        let values = found.into_iter().zip(targets).collect();
+        Outputs { values, definitions: combined.map(|combined| combined.definitions).unwrap_or_default() }
     }
 
     /// For a covector `f`, which replaces `-∂H/∂q`: components of `-f`, or their derivatives.

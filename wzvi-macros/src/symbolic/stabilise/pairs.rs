@@ -32,7 +32,7 @@ impl Graph {
         for &i in &candidates {
             for j in (0..pool.len()).filter(|&j| j != i) {
                 let (Some(coefficient), Some(partner)) = (pool[i].1, pool[j].1) else { continue };
-                if let Some(difference) = self.split((pool[i].0, coefficient), (pool[j].0, partner))
+                if let Some(difference) = self.split(pool[i].0, coefficient, pool[j].0, partner)
                     && let Some(better) = self.better_difference(&difference)
                 {
                     replacements.push((self.multiply(difference.common, better), difference.coefficient));
@@ -51,7 +51,7 @@ impl Graph {
     }
 
     /// `c t + d u` as a difference with a factor, if `d = -c`, or if one of the two is a number up to common factors.
-    fn split(&mut self, (t, c): (Expr, Rational), (u, d): (Expr, Rational)) -> Option<Difference> {
+    fn split(&mut self, t: Expr, c: Rational, u: Expr, d: Rational) -> Option<Difference> {
         let (mut left, mut right) = (self.factors_of(t), self.factors_of(u));
         let has_twice = |factors: &[(Expr, Rational)]| factors.windows(2).any(|pair| pair[0].0 == pair[1].0);
         if has_twice(&left) || has_twice(&right) {
@@ -176,7 +176,7 @@ impl Graph {
     /// The whole sum `c (a x² - a y²)` as `c a (x - y) (x + y)`, or as one square if `y` is a function and `x` is one.
     pub(super) fn difference_of_squares(&mut self, pool: &Terms) -> Option<Expr> {
         let &[(first, Some(c)), (second, Some(d))] = pool.as_slice() else { return None };
-        let difference = self.split((first, c), (second, d))?;
+        let difference = self.split(first, c, second, d)?;
         let (x, y) = (self.square_root(difference.first)?, self.square_root(difference.second)?);
         let inner = match self.one_minus_square(y, x).or_else(|| {
             let opposite = self.one_minus_square(x, y)?;

@@ -84,10 +84,11 @@ impl<'a> Interaction<'a> {
         let Arithmetic { inside, values, constants, .. } = arithmetic;
         let code = quote!(#inside #(#values)*);
         let is_read = |name: &Ident| mentions(&code, &name.to_string());
-        let (partner, mut entries, by_own, by_partner): (_, Vec<_>, _, _) = Default::default();
+        let mut entries: Vec<Ident> = Vec::new();
         let mut own: Vec<Ident> = constants.iter().filter(|name| is_read(name)).cloned().collect();
         let list = if weight.is_empty() { &mut own } else { &mut entries };
         list.extend(Some(format_ident!("__factor")).filter(is_read));
+        let (partner, by_own, by_partner) = (Vec::new(), Vec::new(), Vec::new());
         Self { inside, own, partner, entries, by_own, by_partner }
     }
 
