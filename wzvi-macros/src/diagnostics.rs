@@ -1,6 +1,8 @@
 //! Collects errors, so that independent mistakes are reported at once. The messages are in [`messages`].
+//! Tests: `compile/message_tests.rs`, with the systems in `tests/compiler/ui/messages`.
 
-/// Messages by name: their arguments besides the place, values computed from these, and the text, which may quote the tokens at the place.
+/// Declares one function per message: its name, the place, its other arguments, values computed from these,
+/// and the text, which may quote the tokens at the place.
 macro_rules! messages {
     ($(
         $(#[$doc:meta])*
@@ -47,11 +49,12 @@ pub(crate) fn quoted(names: impl IntoIterator<Item = impl Display>) -> String {
     names.into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// The errors so far. It has to be finished: dropping it would lose them.
+/// The errors so far. Call `finish` at the end: dropping the collector loses them.
 #[must_use = "errors are lost unless `finish` turns them into tokens"]
 pub(crate) struct Diagnostics {
     errors: Vec<syn::Error>,
-    /// Place and text of what was reported: an unrolled loop repeats its mistakes, but the user should read each once.
+    /// Places and texts of reported errors: an unrolled loop repeats its mistakes, and the user reads each
+    /// once.
     seen: HashSet<(String, String)>,
     finished: bool,
 }
@@ -105,7 +108,7 @@ impl Drop for Diagnostics {
     }
 }
 
-/// What the user wrote, and where.
+/// A value that the user wrote, and its place.
 #[derive(Clone, Copy)]
 pub(crate) struct Located<T> {
     pub(crate) value: T,

@@ -1,11 +1,13 @@
 //! Functions that Hamiltonians share: `#[hamiltonian_fn]`.
 //!
-//! An attribute sees the tokens of its own item only. So `#[hamiltonian_fn] fn morse` emits, beside the function and
-//! under the same path, a macro `morse!` that passes the function's tokens to its caller; a path that imports the one
-//! imports the other. `#[hamiltonian]` expands to a call of such a macro (a question) for each function that it calls,
-//! and continues with the answers. The tokens of methods come from a macro with the name of the struct, which
-//! `#[hamiltonian_fn] impl` emits. Functions that a shared function calls are resolved where it is defined, so names
-//! have the meaning that its author saw.
+//! An attribute sees the tokens of its own item only. So `#[hamiltonian_fn] fn morse` emits, beside the
+//! function and under the same path, a macro `morse!` that passes the function's tokens to its caller; a path
+//! that imports the one imports the other. `#[hamiltonian]` expands to a call of such a macro (a question)
+//! for each function that it calls, and continues with the answers. The tokens of methods come from a macro
+//! with the name of the struct, which `#[hamiltonian_fn] impl` emits. Functions that a shared function calls
+//! are resolved where it is defined, so names have the meaning that its author saw.
+//!
+//! Tests: `tests/accepted/functions.rs`.
 
 mod calls;
 mod define;
@@ -22,7 +24,8 @@ use crate::tokens::{any_word, replaced};
 
 pub(crate) use define::define;
 
-/// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {stand-ins} {asked paths} {answers}`.
+/// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {stand-ins} {asked paths}
+/// {answers}`.
 pub(crate) struct Question {
     pub(super) kind: Ident,
     pub(super) crate_path: Path,
@@ -56,15 +59,16 @@ impl Question {
         let alias =
             format_ident!("{name}_needs_the_attribute_hamiltonian_fn{asker}_{position}", span = name.span());
         if is_of_function {
-            // The emitted items must be where the function is, and `rustc` can only say that the macro does not exist: its name says what is missing.
+            // The emitted items must be where the function is, and `rustc` can only say that the macro does
+            // not exist: its name says what is missing.
             return quote! {
                 #[allow(unused_imports)]
                 use #path as #alias;
                 #alias! { #callback #state }
             };
         }
-        // Without the function's macro, one of the same name in an outer scope is found. Neither import may be in the scope of the call, because
-        // `rustc` must assume that the call defines any name.
+        // Without the function's macro, one of the same name in an outer scope is found. Neither import may
+        // be in the scope of the call, because `rustc` must assume that the call defines any name.
         let missing = format_ident!("__wzvi_missing_{position}");
         let error = owner_of(path).is_none().then(|| messages::unmarked_function(name).to_compile_error());
         quote! {
@@ -145,8 +149,9 @@ fn groups(tokens: TokenStream) -> impl Iterator<Item = TokenStream> {
     })
 }
 
-/// What a macro of a shared function, or of the methods of a type, hands over: `{ item } { the paths it calls } { their definitions }`.
-/// `Self` is that type where it is another one than the struct.
+/// What a macro of a shared function, or of the methods of a type, hands over:
+/// `{ item } { the paths it calls } { their definitions }`. `Self` is that type where it is another one than
+/// the struct.
 fn answer(input: ParseStream<'_>, other: Option<&str>) -> syn::Result<Vec<Function>> {
     let (item, asked, answers) = (group(input)?, group(input)?, group(input)?);
     let item = match other {
@@ -202,7 +207,8 @@ fn is_function(kind: &Ident) -> bool {
     kind == "function"
 }
 
-/// The questions of `#[hamiltonian(attribute)] item`, if it calls shared functions and what is read so far has no mistakes.
+/// The questions of `#[hamiltonian(attribute)] item`, if it calls shared functions and what is read so far
+/// has no mistakes.
 pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<Question> {
     let mut diagnostics = Diagnostics::new();
     let system = input::read_struct(item.clone(), &mut diagnostics);

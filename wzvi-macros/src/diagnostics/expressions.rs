@@ -1,4 +1,4 @@
-//! The messages about the bodies of closures. One function per mistake.
+//! The messages about the bodies of closures. One function per mistake. Tests: `tests/compiler/ui/messages`.
 
 use std::fmt::Display;
 
@@ -78,7 +78,7 @@ messages! {
     friction_closure(closure) = "`friction` is an expression of fields, a list of them by degree of freedom, \
         or a closure of the coordinates, `|q| ...`; write friction that depends on momenta or the time as a force, as in \
         `force = |q, p, t| -gamma * p`, without a temperature";
-    /// A temperature of something else than sites and the time.
+    /// A closure in `temperature` whose parameters are not a site and the time.
     temperature_closure(closure) = "`temperature` is kT: one number, a list by degree of freedom, `|t| ...`, or, by site, \
         `[|i| ...; N]` or `[|i, t| ...; N]`; a temperature of the coordinates or momenta is not offered, because no Boltzmann law \
         is known to check it by";
@@ -86,7 +86,7 @@ messages! {
         `temperature = [|i| t0 + dt * i as f64; N]`";
     damping_closure(closure) = "`damping` is a matrix of expressions of fields, or a closure of the coordinates, \
         `|q| [[...]]`; write friction that depends on momenta or the time as a force, without a temperature";
-    /// A name in `friction`, `damping` or `temperature` that is none of a field.
+    /// A name in `friction`, `damping` or `temperature` that no field has.
     unknown_name_of_key(name, fields: &[String], remedy: &str) {
         list = listed_fields(fields, "the struct has no fields");
     } = "no field named `{name}`; {list}; {remedy}";
@@ -151,7 +151,7 @@ messages! {
     index_beyond(found, index: &str, length: &str, excess: i128) {
         reached = if excess == 0 { length.to_owned() } else { format!("{length} + {excess}") };
     } = "index {index} is out of range: it reaches {reached}, and there are {length} elements";
-    /// A covector, or a part of it, with another number of entries.
+    /// A covector, or a part of one, with the wrong number of entries.
     entries(found, expected: &str, length: Option<&str>) {
         has = length.unwrap_or("of a number that is not known");
         // The length of a list of fields is not that of the state.
@@ -200,7 +200,7 @@ fn difference(expr: &syn::Expr) -> Option<(&syn::Expr, &syn::Expr)> {
     }
 }
 
-/// An expression as what a method is called on.
+/// An expression as the receiver of a method.
 fn receiver(expr: &syn::Expr) -> String {
     let text = source(expr);
     let is_operand = !matches!(expr, syn::Expr::Binary(_) | syn::Expr::Unary(_) | syn::Expr::Cast(_));
@@ -252,7 +252,7 @@ fn as_real_receiver(tokens: &TokenStream) -> String {
     }
 }
 
-/// An integer as what a method of its type is called on.
+/// An integer as the receiver of a method of its type.
 fn integer_receiver_of(expr: &Expr, ty: &str) -> String {
     match expr {
         Expr::Lit(_) => format!("{}_{ty}", source(expr)),
@@ -263,7 +263,7 @@ fn integer_receiver_of(expr: &Expr, ty: &str) -> String {
     }
 }
 
-/// What other languages call the same function.
+/// The name in Rust of a function that other languages call `name`.
 pub(crate) fn synonym(name: &str) -> Option<&'static str> {
     Some(match name {
         "pow" | "square" | "squared" | "sqr" | "cube" => "powi",

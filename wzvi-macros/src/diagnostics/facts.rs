@@ -1,11 +1,12 @@
-//! The messages about the mathematics: what was derived contradicts what was declared.
+//! The messages about the mathematics: what was derived contradicts what was declared. Tests:
+//! `tests/compiler/ui/messages`.
 
 use std::fmt::Display;
 
 use crate::symbolic::{Graph, Knowledge, Witness};
 
 messages! {
-    /// The same for forces that are driven by noise.
+    /// A bare scheme whose noise forces change the limit.
     inconsistent_forces(found, scheme: &impl Display, hamiltonian: &str, force: &str) = "`{scheme}` does not \
         converge to this Stratonovich system as h -> 0: noise forces depend on the momenta that they change, and the \
         limit has a further force d, d·δq = {force}{hamiltonian}; write `Midpoint`, `Gauss<2>` or `Verlet`, which \
@@ -65,7 +66,8 @@ messages! {
     } = "`{scheme}` does not converge to this Stratonovich system as h -> 0, but to the one {finding}; write \
         `Corrected<{scheme}>` to add the counter-term, or `Uncorrected<{scheme}>` to keep the scheme as it is \
         (`Midpoint` is consistent with every noise)";
-    /// A declared first integral that changes along the flow of the drift or of a noise, or may; without `rate` at a boundary, or by the bath.
+    /// A declared first integral that changes, or may change, along the flow of the drift or of a noise. At
+    /// the boundary of a branch and for a bath there is no `rate`.
     no_invariant(found, along: &str, rate: Option<&str>, knowledge: &Knowledge, graph: &Graph) {
         of = rate.map_or_else(|| along.to_owned(), |rate| format!("{along} = {rate}"));
         finding = match knowledge {

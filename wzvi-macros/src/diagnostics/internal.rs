@@ -1,4 +1,5 @@
-//! Internal assertions of the compiler. A broken one is an error of the expansion that says where and why, and never an invented number.
+//! Internal assertions of the compiler. A broken assertion becomes an error of the expansion, which says
+//! where and why. No number is invented.
 
 use std::cell::RefCell;
 use std::panic::Location;
@@ -8,7 +9,8 @@ thread_local! {
     static BROKEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
-/// A value that cannot be absent, because of `reason`. If it is: the default, and an error at the end of the expansion.
+/// A value that cannot be absent, because of `reason`. If it is absent, the default takes its place, and the
+/// expansion ends with an error.
 #[track_caller]
 pub(crate) fn promised<T: Default>(value: Option<T>, reason: &str) -> T {
     if value.is_none() {
@@ -24,7 +26,7 @@ pub(crate) fn broken(reason: &str) {
     BROKEN.with_borrow_mut(|broken| broken.push(format!("{}:{}: {reason}", place.file(), place.line())));
 }
 
-/// What was broken since the last call, as an error.
+/// The assertions that were broken since the last call, as one error.
 pub(crate) fn error() -> Option<syn::Error> {
     let broken = BROKEN.take();
     (!broken.is_empty()).then(|| {

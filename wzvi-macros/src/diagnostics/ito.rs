@@ -1,4 +1,4 @@
-//! The messages about `calculus = Ito`. One function per mistake.
+//! The messages about `calculus = Ito`. One function per mistake. Tests: `tests/compiler/ui/messages`.
 
 messages! {
     /// A correction that is neither a force nor the field of a Hamiltonian.

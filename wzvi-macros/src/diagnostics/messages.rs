@@ -1,4 +1,5 @@
 //! The messages about declarations: the struct, the attribute and the phase space. One function per mistake.
+//! Tests: `tests/compiler/ui/messages`.
 
 use std::fmt::Display;
 
@@ -209,7 +210,7 @@ pub(crate) fn is_composition(name: &str) -> bool {
     NAMES.split(' ').any(|known| known == name)
 }
 
-/// What other texts call the same thing.
+/// The key that other texts call `key`.
 fn synonym(key: &str) -> Option<&'static str> {
     match key {
         "hamiltonian" | "energy" | "h" | "H" | "h0" | "H0" => Some("drift"),
@@ -228,7 +229,7 @@ pub(crate) fn missing_key(key: &str) -> Error {
     Error::new(Span::call_site(), format!("`{key}` is missing; for example `{example}`"))
 }
 
-/// A program that has the macros through another crate.
+/// A program that reaches the macros through another crate.
 pub(crate) fn no_dependency() -> Error {
     let message = "this package does not depend on `wzvi`, which the generated code names: add it, `cargo add wzvi`, or name the path \
                    through the crate that re-exports it, with the key `crate = that_crate::wzvi`";

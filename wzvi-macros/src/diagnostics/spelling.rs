@@ -1,4 +1,4 @@
-//! What users spelled: their tokens as text, and suggestions for misspelled names.
+//! Spelling: the user's tokens as text, and suggestions for misspelled names.
 
 use quote::ToTokens;
 

@@ -1,8 +1,9 @@
 //! Names in emitted code: unique during assembly, readable in the result.
 //!
-//! An emitter marks each of its own names with two underscores, and names items of this library by path. Names of variables and of
-//! parts of formulas come from [`Names`] and have another mark, so that no name of the user clashes with one of an emitter. When the
-//! code of a struct is complete, [`readable`] removes the marks.
+//! An emitter marks each of its own names with two underscores, and names items of this library by path.
+//! Names of variables and of parts of formulas come from [`Names`] and have another mark, so that no name of
+//! the user clashes with one of an emitter. When the code of a struct is complete, [`readable`] removes the
+//! marks.
 
 use std::collections::HashSet;
 
@@ -56,7 +57,8 @@ impl Names {
 /// The words for `+`, `-` and `%`.
 const OPERATORS: [&str; 3] = ["plus", "minus", "mod"];
 
-/// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `2 i` is `index_2i`, `self.0` is `field0`; words are unchanged.
+/// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `2 i` is `index_2i`, `self.0` is `field0`; words are
+/// unchanged.
 fn as_word(wish: &str) -> String {
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
     let is_word = |word: &str| {

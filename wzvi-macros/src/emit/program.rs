@@ -1,8 +1,11 @@
 //! Straight-line programs: n-ary expressions become binary operations on two types of numbers.
 //!
-//! Values that depend on the system, the step size and the time only are `f64`; a value that depends on the state or the increments
-//! has the scalar type of the step. Every operation knows the earliest *level* at which it can be computed, and sums
-//! and products are split by level, so that constant factors and terms move out of the step (and of the Newton iteration).
+//! Values that depend on the system, the step size and the time only are `f64`; a value that depends on the
+//! state or the increments has the scalar type of the step. Every operation knows the earliest *level* at
+//! which it can be computed, and sums and products are split by level, so that constant factors and terms
+//! move out of the step (and of the Newton iteration).
+//!
+//! Tests: `tests/steps/accuracy.rs`, and the golden expansions (`compile/golden_tests.rs`).
 
 use std::collections::HashMap;
 

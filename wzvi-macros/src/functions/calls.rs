@@ -1,4 +1,4 @@
-//! Which shared functions a body calls.
+//! The shared functions that a body calls. Tests: `tests/accepted/functions.rs`.
 
 use std::collections::HashSet;
 
@@ -14,9 +14,9 @@ use crate::lower::{Names, is_constant_name, is_self, key, may_be_shared, type_of
 pub(super) struct Calls {
     bound: Names,
     pub(super) called: Vec<ExprPath>,
-    /// The struct whose Hamiltonians call.
+    /// The struct whose closures are read.
     own: Option<Ident>,
-    /// Where a method of the struct is called.
+    /// The place of the first call of a method of the struct.
     pub(super) method: Option<Span>,
     /// Other types of which a function is called.
     pub(super) types: Vec<Ident>,
@@ -25,7 +25,7 @@ pub(super) struct Calls {
 }
 
 impl Calls {
-    /// The distinct paths, and that of the methods of the struct `name`.
+    /// The distinct paths, with the path of the methods of the struct `name`.
     pub(super) fn paths(self, name: Option<&Ident>) -> Vec<Path> {
         let mut seen = HashSet::new();
         let methods = name.zip(self.method).map(|(name, span)| super::owner(name, span));

@@ -1,4 +1,5 @@
-//! `#[hamiltonian_fn]`: the item as it was written, and the macro that hands over its tokens.
+//! `#[hamiltonian_fn]`: the item as it was written, and the macro that exports its tokens. Tests:
+//! `tests/accepted/functions.rs`, `tests/compiler/ui`.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -50,8 +51,8 @@ fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostic
     Some(Question { kind, crate_path, attribute, item, stand_ins, asked, answers: Vec::new() })
 }
 
-/// The item as `rustc` reads it: where it calls `erf` or `erfc` as methods, they are in scope. `f64` has unstable ones, about which
-/// `rustc` would warn.
+/// The item as `rustc` reads it: where it calls `erf` or `erfc` as methods, they are in scope. `f64` has
+/// unstable ones, about which `rustc` would warn.
 fn with_error_functions(item: TokenStream, crate_path: &Path) -> TokenStream {
     if !["erf", "erfc"].iter().any(|name| tokens::mentions(&item, name)) {
         return item;
@@ -148,7 +149,7 @@ fn check_signature(signature: &Signature, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// The macro that hands over the tokens, under the path of the function or of the struct.
+/// The macro that exports the tokens, under the path of the function or of the struct.
 pub(super) fn carrier(question: &Question) -> TokenStream {
     let Question { asked, answers, .. } = question;
     let (name, visibility, item) = match syn::parse2::<Item>(question.item.clone()) {

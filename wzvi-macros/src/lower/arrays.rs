@@ -1,4 +1,5 @@
-//! The lists that the state and the struct hold, their entries, and ranges.
+//! The lists that the state and the struct hold, their entries, and ranges. Tests: `lower/tests/values.rs`,
+//! `tests/accepted/parameters.rs`.
 
 use std::rc::Rc;
 
@@ -25,7 +26,7 @@ pub(super) enum Origin {
 #[derive(Clone, Debug)]
 pub(super) struct Array {
     pub(super) origin: Origin,
-    /// Indices so far. For the phase space one: the position in the state vector.
+    /// The indices so far. The phase space has one, the position in the state vector.
     pub(super) indices: Vec<Index>,
     /// Index of the first element.
     pub(super) start: Index,
@@ -140,7 +141,7 @@ impl<'a> Interpreter<'a, '_> {
                 expressions::index_beyond(at, &self.display(k), &self.display(&array.length), excess)
             }
         };
-        // Where no condition guards the index, it is certain without turns.
+        // Where no condition guards the index, the mistake is certain for every value of loop variables.
         if self.now.branch == 0 { self.refuse_at_once(error) } else { self.refuse(error) }
     }
 

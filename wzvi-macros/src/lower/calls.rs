@@ -1,4 +1,4 @@
-//! Calls: local closures and the functions of `f64`.
+//! Calls: local closures and the functions of `f64`. Tests: `tests/accepted/functions.rs`.
 
 use quote::ToTokens;
 use syn::punctuated::Punctuated;
@@ -72,7 +72,7 @@ impl<'a> Interpreter<'a, '_> {
         variable.is_none().then_some(path)
     }
 
-    /// The shared function of a path that does not name a variable, and the functions among which it was found.
+    /// The shared function of a path that does not name a variable, and the library that has it.
     fn shared(&self, function: &Syntax) -> Option<(&'a Function, &'a Library)> {
         let path = self.path_of_function(function)?;
         let name = key(&path.path);
@@ -85,7 +85,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// Where the others of its type are, if the function that is being evaluated is one of the type that the path names.
+    /// The library of the type in `Type::f`, while a function of that type is evaluated.
     fn siblings(&self, path: &syn::Path) -> Option<&'a Library> {
         let (owner, _) = self.now.calls.last()?.name.split_once("::")?;
         self.now.home.filter(|_| type_of(path).is_some_and(|name| name == owner))

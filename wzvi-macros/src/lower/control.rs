@@ -1,4 +1,4 @@
-//! Blocks, variables, branches and loops.
+//! Blocks, variables, branches and loops. Tests: `lower/tests/values.rs`, `tests/steps/values.rs`.
 
 use std::rc::Rc;
 
@@ -106,7 +106,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// Both branches, and a choice between their values.
+    /// Evaluates both branches, and selects between their values.
     fn undecided(&mut self, syntax: &'a ExprIf, condition: Option<Expr>) -> Option<Value> {
         self.now.branch += 1;
         let outer = self.now.scope.len();
@@ -171,7 +171,8 @@ impl<'a> Interpreter<'a, '_> {
         items.map(Items::new)
     }
 
-    /// A loop that only adds to its variables becomes a sum for each of them; any other is evaluated item by item.
+    /// A loop that only adds to its variables becomes a sum for each of them; any other is evaluated item by
+    /// item.
     pub(super) fn for_loop(&mut self, syntax: &'a ExprForLoop) -> Option<Value> {
         let value = self.evaluate(&syntax.expr);
         let sequence = self.as_sequence(&value, &syntax.expr)?;
@@ -210,7 +211,8 @@ impl<'a> Interpreter<'a, '_> {
         self.now.scope.leave(outer);
     }
 
-    /// The outer variables that a block assigns to, with their values: `Some(None)` if some are not real numbers.
+    /// The outer variables that a block assigns to, with their values: `Some(None)` if some are not real
+    /// numbers.
     fn totals(&mut self, body: &Block) -> Option<Option<Vec<Total>>> {
         let mut targets = Assigned::default();
         targets.visit_block(body);
@@ -293,7 +295,7 @@ impl<'a> Interpreter<'a, '_> {
 /// The effect of a loop on its variables.
 enum Added {
     All(Vec<Expr>),
-    /// It does something else.
+    /// The loop does something else.
     NoSum,
     /// A mistake was reported.
     Failed,

@@ -1,4 +1,4 @@
-//! The functions of `f64`, in method and in path form.
+//! The functions of `f64`, in method and in path form. Tests: `tests/steps/values.rs`.
 
 use quote::ToTokens;
 use syn::Expr as Syntax;
@@ -11,7 +11,8 @@ use crate::symbolic::{Expr, Function, Graph, NAMES, Rational, Special};
 /// The definition of a function in terms of others.
 type Composed = fn(&mut Graph, &[Expr]) -> Expr;
 
-/// The functions defined in terms of others, with their numbers of arguments. `None`: [`Interpreter::real_call`] reads them.
+/// The functions defined in terms of others, with their numbers of arguments. [`Interpreter::real_call`]
+/// reads the functions with `None`.
 const COMPOSED: [(&str, usize, Option<Composed>); 12] = [
     ("powi", 2, None),
     ("recip", 1, Some(|graph, x| graph.power(x[0], Rational::MINUS_ONE))),
@@ -55,7 +56,7 @@ fn arity(name: &str) -> Option<usize> {
     known.or_else(|| COMPOSED.iter().find(|(known, ..)| *known == name).map(|(_, arity, _)| *arity))
 }
 
-/// Whether `f64` has it: not `erf`, which is imported by its name.
+/// Whether `f64` has a method of this name. It has no `erf`, which users import.
 pub(crate) fn is_real_method(name: &str) -> bool {
     arity(name).is_some() && Special::named(name).is_none()
 }

@@ -1,4 +1,5 @@
-//! Integers: exact arithmetic on known values, loop variables, sizes and integers of the struct.
+//! Integers: exact arithmetic on known values, loop variables, sizes and integers of the struct. Tests:
+//! `lower/tests/values.rs`, `lower/tests/robustness.rs`.
 
 use quote::ToTokens;
 use syn::{BinOp, ExprMethodCall};
@@ -14,7 +15,7 @@ use crate::symbolic::Relation;
 const METHODS: &Methods = &[(0, "abs clone"), (1, "pow abs_diff rem_euclid div_euclid min max")];
 
 impl<'a> Interpreter<'a, '_> {
-    /// An integer: a constant beside one is one, too.
+    /// `value` as an integer. A constant beside an integer is an integer, too.
     pub(super) fn as_index(&mut self, value: &Value, at: &dyn ToTokens) -> Option<Index> {
         match value {
             Value::Index(index, _) => Some((**index).clone()),
@@ -24,7 +25,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// An integer where its value matters: one of an unsigned type has overflowed if it is negative.
+    /// `value` as an integer whose value matters: a negative integer of an unsigned type has overflowed.
     pub(super) fn settled(&mut self, value: &Value, at: &dyn ToTokens) -> Option<Index> {
         let index = self.as_index(value, at)?;
         let may_be_negative = index.constant < 0 || index.terms.iter().any(|(_, multiple)| *multiple < 0);
@@ -52,8 +53,8 @@ impl<'a> Interpreter<'a, '_> {
         Some(())
     }
 
-    /// `value` as a known integer: for an exponent, a number of items, a position in a heterogeneous list. If it contains
-    /// a loop variable, the loop is evaluated iteration by iteration.
+    /// `value` as a known integer: for an exponent, a number of items, a position in a heterogeneous list. If
+    /// it contains a loop variable, the loop is evaluated iteration by iteration.
     pub(super) fn known_integer(&mut self, value: Value, at: &dyn ToTokens) -> Option<i128> {
         match &value {
             Value::Poison => None,
@@ -140,7 +141,7 @@ impl<'a> Interpreter<'a, '_> {
             "abs_diff" => Some(own.subtract(other)?.maximum(&other.subtract(own)?)),
             "rem_euclid" if self.is_nonnegative(own) => own.remainder(other),
             "rem_euclid" => {
-                // Of stencils, which reach back over one end: a mod n for a down to -n.
+                // Stencils reach back over one end: `a mod n` for `a` down to `-n`.
                 let shifted = own.add(other)?;
                 if self.is_nonnegative(&shifted) && self.is_nonnegative(other) {
                     return shifted.remainder(other);

@@ -1,4 +1,5 @@
-//! The interpreter: its state, its budget, and the dispatch on expressions.
+//! The interpreter: its state, its budget, and the dispatch on expressions. Tests:
+//! `lower/tests/robustness.rs`.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
@@ -41,7 +42,7 @@ pub(super) struct Closure<'a> {
 pub(super) struct Interpreter<'a, 'd> {
     pub(super) graph: Graph,
     pub(super) system: &'a Container,
-    /// In the order of their first use; one per distinct expression.
+    /// The parameters in the order of their first use, one per distinct expression.
     pub(super) parameters: Distinct<String, Parameter>,
     /// The shared functions of the declaration.
     pub(super) root: &'a Library,
@@ -63,15 +64,16 @@ pub(super) struct Evaluation<'a> {
     pub(super) closures: Vec<Closure<'a>>,
     /// The shared functions of the declaration, or of the shared function that is being evaluated.
     pub(super) library: Option<&'a Library>,
-    /// The functions among which that one was found: its type's are beside it.
+    /// The library that has the shared function under evaluation, with the other functions of its type.
     pub(super) home: Option<&'a Library>,
     /// The shared functions around the current expression.
     pub(super) calls: Vec<&'a Function>,
     /// The position in the scope of the first variable of the called closure, after the captured ones.
     pub(super) frame: usize,
-    /// Whether a closure assigns to captured variables: then the items that it maps must be evaluated in order.
+    /// Whether a closure assigns to captured variables: then the items that it maps must be evaluated in
+    /// order.
     pub(super) has_mutation: bool,
-    /// In `friction`, `damping` and `temperature`: what to do about a name that is none of a field.
+    /// The remedy for a name that no field has, in `friction`, `damping` and `temperature`.
     pub(super) advice: Option<&'static str>,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
@@ -111,21 +113,21 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.now = Evaluation { library: Some(self.root), ..Evaluation::default() };
     }
 
-    /// Reports a mistake, unless it may be resolved later: a loop that can be evaluated iteration by iteration is repeated with the
-    /// values of its variable, where the symbolic variable is not allowed.
+    /// Reports a mistake, unless it may be resolved later: a loop that can be evaluated iteration by
+    /// iteration is repeated with the values of its variable, where the symbolic variable is not allowed.
     pub(super) fn report(&mut self, error: syn::Error) {
         if !self.request_turns(|_| true) {
             self.diagnostics.report(error);
         }
     }
 
-    /// The same, returning `None`.
+    /// Reports a mistake, and returns `None`.
     pub(super) fn refuse<T>(&mut self, error: syn::Error) -> Option<T> {
         self.report(error);
         None
     }
 
-    /// Reports a mistake that no turns resolve, returning `None`.
+    /// Reports a mistake that no value of a loop variable resolves, and returns `None`.
     pub(super) fn refuse_at_once<T>(&mut self, error: syn::Error) -> Option<T> {
         if !self.is_abandoned() {
             self.diagnostics.report(error);
@@ -152,7 +154,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         !self.now.exhausted
     }
 
-    /// The same for another operand of a chain, whose terms are copied.
+    /// Deducts the cost of one more operand of a chain, whose terms are copied.
     pub(super) fn spend_on(&mut self, chain: &Value, at: &dyn ToTokens) -> bool {
         let operands = chain.as_real().map_or(0, |chain| self.graph.node(chain).operands().len());
         self.spend(operands / 16, at)
@@ -301,7 +303,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.new_parameter(name, tokens, false)
     }
 
-    /// The same of an integer: `tokens` are its cast.
+    /// A symbol that stands for an integer as a real number; `tokens` are its cast.
     pub(super) fn integer_parameter(&mut self, name: &str, tokens: TokenStream) -> Expr {
         self.new_parameter(name, tokens, true)
     }

@@ -1,8 +1,11 @@
 //! Loops: the body of one is evaluated once, at its variable, and its sum becomes a symbol.
 //!
-//! A comparison decided neither by the loops nor by earlier assumptions splits the loop in two. Where a symbolic variable does
-//! not suffice (an exponent, a position in a heterogeneous list, an assignment to an outer variable), the loop is evaluated in
-//! turns: the evaluation is abandoned, and the body is evaluated again for each value of the loop variable, if these are known.
+//! A comparison decided neither by the loops nor by earlier assumptions splits the loop in two. Where a
+//! symbolic variable does not suffice (an exponent, a position in a heterogeneous list, an assignment to an
+//! outer variable), the loop is evaluated in turns: the evaluation is abandoned, and the body is evaluated
+//! again for each value of the loop variable, if these are known.
+//!
+//! Tests: `lower/tests/messages.rs`, `tests/loops/ranges.rs`.
 
 use quote::ToTokens;
 
@@ -12,7 +15,8 @@ use crate::diagnostics::expressions;
 use crate::model::{Atom, Bounds, Index, Loop, Slot};
 use crate::symbolic::{Expr, Rational, Relation};
 
-/// The deepest nesting of loops and sums: a sum over that many indices would never end, even with a handful of places each.
+/// The deepest nesting of loops and sums: a sum over that many indices would never end, even with a handful
+/// of places each.
 const MOST_NESTED: usize = 16;
 
 /// The most parts into which one loop is split.
@@ -45,7 +49,7 @@ pub(super) struct Loops {
 }
 
 impl<'a> Interpreter<'a, '_> {
-    /// Whether the evaluation is returning to a loop that starts again; intermediate results are meaningless.
+    /// Whether the evaluation returns to a loop that starts again. Intermediate results are then meaningless.
     pub(super) fn is_abandoned(&self) -> bool {
         self.now.loops.by_turns.is_some()
     }
@@ -64,7 +68,8 @@ impl<'a> Interpreter<'a, '_> {
         is_own
     }
 
-    /// Abandons the evaluation for turns of the innermost of `variables` whose values are known; `false` if none are.
+    /// Abandons the evaluation for turns of the innermost of `variables` whose values are known; `false` if
+    /// none are.
     pub(super) fn request_turns(&mut self, wanted: impl Fn(u32) -> bool) -> bool {
         if self.is_abandoned() {
             return true;
@@ -100,7 +105,8 @@ impl<'a> Interpreter<'a, '_> {
         self.bounded(|bounds| bounds.is_nonnegative(index))
     }
 
-    /// The known bounds of the loops. Assumptions about the part of a loop under evaluation bound its variable, too.
+    /// The known bounds of the loops. Assumptions about the part of a loop under evaluation bound its
+    /// variable, too.
     pub(super) fn bounded<T>(&self, read: impl FnOnce(&Bounds<'_>) -> T) -> T {
         let restricted = |known: &Loop| {
             let case = self.now.loops.cases.iter().rev().find(|case| case.variable == known.variable);
@@ -110,8 +116,8 @@ impl<'a> Interpreter<'a, '_> {
         read(&Bounds { loops: &loops, tables: self.tables.as_list() })
     }
 
-    /// `difference < 0`, or `<= 0` with `or_equal`: decided, or assumed in this part of the loop, or left to the
-    /// running program.
+    /// `difference < 0`, or `<= 0` with `or_equal`: decided, or assumed in this part of the loop, or left to
+    /// the running program.
     pub(super) fn is_less(&mut self, difference: &Index, or_equal: bool) -> Value {
         if let Some(known) = difference.as_integer() {
             return Value::Known(known < 0 || (or_equal && known == 0));
@@ -124,7 +130,8 @@ impl<'a> Interpreter<'a, '_> {
         if difference.shifted(if or_equal { -1 } else { 0 }).is_some_and(|rest| self.is_nonnegative(&rest)) {
             return Value::Known(false);
         }
-        // The bounds of a loop read those around it alone: the innermost loop of the condition is the one to split.
+        // The bounds of a loop read those around it alone: the innermost loop of the condition is the one to
+        // split.
         let Loops { active, cases, .. } = &mut self.now.loops;
         let innermost = active.iter().rfind(|known| difference.loops().contains(&known.variable));
         let splits = |known: &&Loop| matches!(difference.slope(known.variable), Some(1 | -1));
@@ -146,8 +153,9 @@ impl<'a> Interpreter<'a, '_> {
         Value::Condition(self.compare_with_zero(relation, difference))
     }
 
-    /// `difference relation 0`, left to the running program. Between integers of the struct it is a comparison of
-    /// parameters, `n < m + 1` with as many numbers on either side as were written: exact below 2^53.
+    /// `difference relation 0`, left to the running program. Between integers of the struct it is a
+    /// comparison of parameters, `n < m + 1` with as many numbers on either side as were written: exact below
+    /// 2^53.
     pub(super) fn compare_with_zero(&mut self, relation: Relation, difference: &Index) -> Expr {
         let (left, right) = match self.sides(difference) {
             Some(sides) => sides,
@@ -232,7 +240,7 @@ impl<'a> Interpreter<'a, '_> {
         Some(self.graph.linear_combination(&terms))
     }
 
-    /// One symbol for every part that the conditions in its body split a loop into.
+    /// The sum over a loop, with a symbol for each part into which the conditions in its body split it.
     fn sum_by_parts(
         &mut self,
         whole: &Loop,

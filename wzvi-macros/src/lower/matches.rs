@@ -1,4 +1,5 @@
-//! `match` on integers and conditions: a chain of `if`, whose last arm covers the rest, as checked by `rustc`.
+//! `match` on integers and conditions: a chain of `if`, whose last arm covers the rest, as checked by
+//! `rustc`. Tests: `lower/tests/values.rs`.
 
 use quote::ToTokens;
 use syn::{BinOp, Expr as Syntax, ExprMatch, Pat, RangeLimits};
@@ -9,7 +10,7 @@ use super::value::Value;
 use crate::diagnostics::expressions;
 use crate::symbolic::{Expr, Junction};
 
-/// An arm with its condition; that of the last arm is not used.
+/// An arm with its condition. The condition of the last arm is not used.
 struct Choice<'a> {
     condition: Option<Expr>,
     value: Value,

@@ -1,4 +1,4 @@
-//! The methods of lists, ranges and iterators.
+//! The methods of lists, ranges and iterators. Tests: `tests/steps/values.rs`.
 
 use std::rc::Rc;
 
@@ -96,7 +96,7 @@ impl<'a> Interpreter<'a, '_> {
         })
     }
 
-    /// `sum`: of real numbers a loop, of integers term by term.
+    /// `sum`: a loop adds real numbers, integers are added term by term.
     fn sum(&mut self, sequence: &Sequence, syntax: &'a ExprMethodCall) -> Option<Value> {
         let receiver = origin(&syntax.receiver);
         let mut has_integers = asks_for(syntax, is_integer_type);

@@ -1,5 +1,7 @@
-//! From closures to expressions: an abstract interpreter of `syn::Expr`. Local closures are inlined, values that depend on the
-//! state or on parameters become symbolic, sums become symbols. Only this module reads Rust expressions.
+//! From closures to expressions: an abstract interpreter of `syn::Expr`. Local closures are inlined, values
+//! that depend on the state or on parameters become symbolic, sums become symbols. Two other files read
+//! expressions: `input/points.rs` the numbers of quadrature points, `functions/calls.rs` the calls in a body.
+//! Tests: `lower/tests`, `tests/accepted`, and for messages `tests/compiler/ui`.
 
 mod arrays;
 mod calls;
@@ -47,7 +49,7 @@ pub(crate) use patterns::Names;
 /// The most members of a family that become separate noises.
 const MOST_MEMBERS: i128 = 10_000;
 
-/// A field with the name of a closure variable is ambiguous: it is reported once.
+/// Reports each field that has the name of a closure variable, which is ambiguous.
 fn check_names(container: &Container, declaration: &Declaration, diagnostics: &mut Diagnostics) {
     let mut names = patterns::Names::default();
     for closure in declaration.in_order() {
@@ -136,7 +138,7 @@ pub(crate) fn lower(
     })
 }
 
-/// The declared terms; `None` if they were not understood.
+/// The term of an optional key, if it is declared; `None` if it was not understood.
 fn required<T>(declared: Option<Option<T>>) -> Option<Option<T>> {
     declared.map_or(Some(None), |known| known.map(Some))
 }
@@ -276,5 +278,6 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     }
 }
 
-/// Which member of a family is meant: its number, and the loop over all members if it is any of them.
+/// A member of a family: its number, and the loop over all members if the number is the variable of that
+/// loop.
 type Member<'l> = (Index, Option<&'l Loop>);

@@ -1,4 +1,5 @@
-//! Name resolution: variables, fields, constants.
+//! Name resolution: variables, fields, constants. Tests: `tests/accepted/parameters.rs`,
+//! `tests/steps/names.rs`.
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
@@ -101,7 +102,7 @@ impl<'a> Interpreter<'a, '_> {
         part.or_else(|| self.mismatch(&syntax.member, "a field of the struct or of a tuple", &value))
     }
 
-    /// The field; of several under different `#[cfg]`s, a readable one.
+    /// The wanted field. Of several under different `#[cfg]`s, it is a readable one.
     fn find_field(&self, wanted: impl Fn(&Member) -> bool) -> Option<&'a Field> {
         let system = self.system;
         let mut fields = system.fields.iter().filter(|field| wanted(&field.member));
@@ -123,7 +124,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 }
 
-/// `self` must be that of the emitted method; field names need no adaptation.
+/// The displayed name of a field, and the tokens that read it in an emitted method.
 fn displayed_and_read(field: &Field) -> (String, TokenStream) {
     let member = &field.member;
     let name = match member {
@@ -166,7 +167,8 @@ pub(crate) fn is_constant_name(name: &Ident) -> bool {
     name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
 }
 
-/// Whether a path may name a shared function: neither a function of `f64`, with or without its type, nor a constructor.
+/// Whether a path may name a shared function: neither a function of `f64`, with or without its type, nor a
+/// constructor.
 pub(crate) fn may_be_shared(path: &ExprPath) -> bool {
     let segments = &path.path.segments;
     let Some(last) = segments.last().map(|last| last.ident.to_string()) else { return false };

@@ -1,4 +1,4 @@
-//! Literals, operators, casts, comparisons, indices.
+//! Literals, operators, casts, comparisons. Tests: `lower/tests/values.rs`, `tests/steps/values.rs`.
 
 use quote::{ToTokens, quote};
 use syn::{BinOp, Expr as Syntax, ExprBinary, ExprCast, ExprUnary, Lit, UnOp};
@@ -13,8 +13,8 @@ use crate::symbolic::{Expr, Junction, Rational, Relation};
 
 const OPERATORS: &str = "there are `+ - * / %`, comparisons, `&&`, `||` and `!`";
 
-/// The value of a chain of operators so far. Sums and products are collected before the graph sees them, so that a
-/// sum of n terms costs n and not n².
+/// The value of a chain of operators so far. Sums and products are collected before the graph sees them, so
+/// that a sum of n terms costs n and not n².
 enum Chain {
     Value(Value),
     Sum(Vec<(Expr, Rational)>),
@@ -357,7 +357,7 @@ impl<'a> Interpreter<'a, '_> {
                 if index.as_integer().is_some_and(|value| !(least..=most).contains(&value)) {
                     return self.refuse(expressions::integer_arithmetic(syntax));
                 }
-                // Of more digits than any size.
+                // The type holds every size.
                 let is_wide = most > i128::from(u32::MAX);
                 if !is_wide || (is_unsigned && !was_unsigned) {
                     self.require_natural(&index.shifted(-least)?, syntax)?;
@@ -387,7 +387,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 }
 
-/// Both, or the second one first.
+/// `(a, b)`, or `(b, a)` if `is_turned`.
 fn in_order<T>(is_turned: bool, a: T, b: T) -> (T, T) {
     if is_turned { (b, a) } else { (a, b) }
 }
@@ -415,7 +415,7 @@ fn last_operand(syntax: &Syntax) -> &Syntax {
     }
 }
 
-/// The operand after one.
+/// The operand directly after an operator.
 fn first_operand(syntax: &Syntax) -> &Syntax {
     match syntax {
         Syntax::Binary(binary) => first_operand(&binary.left),

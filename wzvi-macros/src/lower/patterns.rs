@@ -1,4 +1,4 @@
-//! Patterns: binding of names to values.
+//! Patterns: binding of names to values. Tests: `tests/accepted/phase_spaces.rs`.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;

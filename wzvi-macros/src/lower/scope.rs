@@ -1,4 +1,4 @@
-//! Variables in scope.
+//! Variables in scope. Tests: `lower/tests/values.rs`, `tests/accepted/macros.rs`.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -30,8 +30,8 @@ impl Scope {
         self.0.iter().rev().find(|binding| binding.name == *name && self::context(&binding.name) == context)
     }
 
-    /// The innermost variable of this name from anywhere: a procedural macro may have mixed its own tokens with those
-    /// that it was given. `rustc` decides whether they are the same.
+    /// The innermost variable of this name from anywhere: a procedural macro may have mixed its own tokens
+    /// with those that it was given. `rustc` decides whether they are the same.
     pub(super) fn find_from_anywhere(&self, name: &Ident) -> Option<&Rc<Binding>> {
         self.find(name).or_else(|| self.0.iter().rev().find(|binding| binding.name == *name))
     }
@@ -40,8 +40,9 @@ impl Scope {
         self.0.push(Rc::new(Binding { name, value: RefCell::new(value), branch, loops }));
     }
 
-    /// Gives a variable a new value. A variable of the frame that starts at `frame` becomes a new one, so that expressions of
-    /// the old one which are evaluated later keep its value. A captured variable is shared with the scopes around the closure.
+    /// Gives a variable a new value. A variable of the frame that starts at `frame` becomes a new one, so
+    /// that expressions of the old one which are evaluated later keep its value. A captured variable is
+    /// shared with the scopes around the closure.
     pub(super) fn assign(&mut self, variable: &Rc<Binding>, value: Value, frame: usize) {
         let own = self.0.get_mut(frame..).unwrap_or_default();
         match own.iter_mut().rev().find(|known| Rc::ptr_eq(known, variable)) {

@@ -1,5 +1,6 @@
-//! Lists, ranges and iterators: a length, and a closure for the item at a position. A sequence is enumerated only if its
-//! items are needed one by one; a sum over one becomes a loop.
+//! Lists, ranges and iterators: a length, and a closure for the item at a position. A sequence is enumerated
+//! only if its items are needed one by one; a sum over one becomes a loop. Tests: `tests/steps/values.rs`,
+//! `tests/loops/ranges.rs`.
 
 use std::rc::Rc;
 
@@ -92,7 +93,7 @@ impl Sequence {
         Self { source, length: None, item: None, depth }
     }
 
-    /// The items at other positions.
+    /// The items of `inner` at other positions.
     fn moved(
         inner: Rc<Self>,
         length: Option<Index>,
@@ -115,7 +116,7 @@ impl Sequence {
         })
     }
 
-    /// The function of each item.
+    /// The results of a function of each item.
     fn mapped(inner: Rc<Self>, function: Value) -> Self {
         let depth = inner.depth + 1;
         if inner.item.is_none() {
@@ -181,14 +182,16 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// The number of items where it is asked for; loops end at once where an iterator's is negative.
+    /// The number of items as a value, which is not negative. (A loop over a negative number of items ends at
+    /// once.)
     pub(super) fn length(&self, sequence: &Sequence) -> Option<Index> {
         let length = sequence.length.as_ref()?;
         let is_natural = sequence.is_list() || self.is_nonnegative(length);
         Some(if is_natural { length.clone() } else { length.maximum(&Index::default()) })
     }
 
-    /// The sequence made by a method with an optional argument, at `at`; `from` is the place of the original sequence.
+    /// The sequence made by a method with an optional argument, at `at`; `from` is the place of the original
+    /// sequence.
     pub(super) fn adapted(
         &mut self,
         name: &str,
@@ -229,7 +232,7 @@ impl<'a> Interpreter<'a, '_> {
             return self.refuse(expressions::integer_arithmetic(at));
         }
         let last = number.shifted(-1)?;
-        // Including the remainder.
+        // The last part may be shorter.
         let parts = length.as_ref().and_then(|length| length.add(&last)?.divide(&number));
         Some(match name {
             "skip" => {
@@ -330,8 +333,8 @@ impl<'a> Interpreter<'a, '_> {
         None
     }
 
-    /// `Σ f(item)`, with a symbol for every loop; with `one_by_one` there is no loop, and filter conditions must be
-    /// known.
+    /// `Σ f(item)`, with a symbol for every loop; with `one_by_one` there is no loop, and filter conditions
+    /// must be known.
     pub(super) fn through(
         &mut self,
         sequence: &Sequence,

@@ -1,4 +1,4 @@
-//! Lists and integers of the struct or of constants.
+//! Lists and integers of the struct or of constants. Tests: `tests/accepted/fields.rs`.
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
@@ -20,7 +20,7 @@ impl Tables {
         self.0.values
     }
 
-    /// The value read by `tokens`.
+    /// The number of the table that `tokens` read.
     pub(super) fn add(
         &mut self,
         name: &str,
@@ -36,7 +36,7 @@ impl Tables {
     /// A size of the phase space or of a family, as it was written.
     pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
         let name = source(expr).replace(" . ", ".");
-        // Its tokens are cast: an operator would bind less.
+        // The tokens are cast, and a cast binds more tightly than an operator.
         let tokens = match expr {
             syn::Expr::Binary(_) | syn::Expr::Unary(_) => quote!((#expr)),
             _ => expr.to_token_stream(),
@@ -45,7 +45,7 @@ impl Tables {
         Index::atom(Atom::Given(self.add(name, &tokens, true, Vec::new()), Vec::new()))
     }
 
-    /// The integer that `suffix` reads of the entries of a list.
+    /// The number of the table of integers that `suffix` reads from the entries of a list.
     pub(super) fn part(&mut self, id: u32, suffix: TokenStream, is_unsigned: bool) -> u32 {
         let Some(list) = self.0.values.get(id as usize).cloned() else { return id };
         let name = format!("{}{suffix}", list.name).replace(' ', "");

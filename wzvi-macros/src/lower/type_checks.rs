@@ -1,4 +1,5 @@
 //! Ordinary Rust that repeats the user's closures, so that `rustc` type-checks them at the user's own tokens.
+//! Tests: `tests/accepted`, `tests/compiler/ui/fail`.
 
 use std::collections::HashSet;
 
@@ -56,8 +57,8 @@ pub(super) fn type_checks(
         quote!(#checks::is_same::<#meant>(#checks::PhantomData::<#written>);)
     });
     let special = special_methods(declaration);
-    // Lints would fire a second time at the user's tokens. `rustc` and clippy see the closures only here, but style
-    // messages about generated code are useless.
+    // Lints would fire a second time at the user's tokens. `rustc` and clippy see the closures only here, but
+    // style messages about generated code are useless.
     quote! {
         #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
         const _: () = {
@@ -98,7 +99,7 @@ fn unused_name(system: &Container, declaration: &Declaration) -> TokenStream {
     Ident::new(&name, Span::call_site()).into_token_stream()
 }
 
-/// Friction and temperature.
+/// The expressions of `friction`, `damping` and `temperature`.
 fn given(declaration: &Declaration) -> impl Iterator<Item = &Given> {
     declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature)
 }
@@ -116,8 +117,8 @@ fn arguments(generics: &Generics) -> TokenStream {
     quote!(<#( #arguments ),*>)
 }
 
-/// `sum()` and `product()` of real numbers, by their places: `rustc` cannot infer their type in `0.5 * x.iter().sum()`, and the compiler
-/// knows it.
+/// `sum()` and `product()` of real numbers, by their places: `rustc` cannot infer their type in
+/// `0.5 * x.iter().sum()`, and the compiler knows it.
 #[derive(Default)]
 pub(super) struct Untyped(HashSet<String>);
 
@@ -228,8 +229,8 @@ fn with_entries(closure: &ExprClosure, entries: &TokenStream) -> TokenStream {
     quote! { #lifetimes #capture #inputs_begin #inputs #inputs_end { #entries(#body) } }
 }
 
-/// `let a = self.a;`, with the span of a use: if the closure comes out of a macro, its names are from there. Names
-/// from several macros get a variable each.
+/// `let a = self.a;`, with the span of a use: if the closure comes out of a macro, its names are from there.
+/// Names from several macros get a variable each.
 fn bindings(field: &Field, used: &[Ident]) -> Vec<TokenStream> {
     let Member::Named(member) = &field.member else { return Vec::new() };
     let mut contexts = HashSet::new();

@@ -1,4 +1,4 @@
-//! The values of expressions during interpretation.
+//! The values of expressions during interpretation. Tests: `lower/tests/values.rs`.
 
 use std::rc::Rc;
 
@@ -19,8 +19,8 @@ const LONGEST_NAME: usize = 256;
 pub(super) enum Value {
     /// A real number, symbolically.
     Real(Expr),
-    /// An integer, known or an expression of loop variables, sizes and integers of the struct, and whether its type is known to
-    /// be unsigned.
+    /// An integer, known or an expression of loop variables, sizes and integers of the struct, and whether
+    /// its type is known to be unsigned.
     Index(Rc<Index>, bool),
     /// A constant, whose type only `rustc` knows.
     Constant(Rc<Place>),
@@ -55,11 +55,11 @@ impl Items {
     }
 }
 
-/// Something that the generated code reads from the struct or its surroundings.
+/// A field, a constant, or arithmetic of both: the generated code reads it.
 pub(super) struct Place {
-    /// As it is displayed: `masses[2]`.
+    /// The displayed name: `masses[2]`.
     pub(super) name: String,
-    /// As it is read: `self.masses[2]`.
+    /// The tokens that read it: `self.masses[2]`.
     pub(super) tokens: TokenStream,
     pub(super) kind: Kind,
     /// The operands of arithmetic of constants; a sign has no left one.
@@ -99,7 +99,7 @@ impl Value {
         Self::Index(index.into(), false)
     }
 
-    /// The same with an integer of an unsigned type.
+    /// The value, with whether the type of an integer is unsigned.
     pub(super) fn unsigned(self, is_unsigned: bool) -> Self {
         match self {
             Self::Index(index, _) => Self::Index(index, is_unsigned),
@@ -131,7 +131,7 @@ impl Value {
         matches!(self, Self::Poison)
     }
 
-    /// The value as an integer, if it is one.
+    /// The value, unless it is poison.
     pub(super) fn known(self) -> Option<Self> {
         Some(self).filter(|value| !value.is_poison())
     }
@@ -165,7 +165,7 @@ impl Value {
         }
     }
 
-    /// With its article, for messages.
+    /// The kind of the value with its article, for messages.
     pub(super) fn describe(&self) -> &'static str {
         match self {
             Self::Real(_) => "a real number",

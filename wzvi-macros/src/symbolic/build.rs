@@ -1,20 +1,22 @@
 //! Constructors. Each returns the canonical form, so that equal handles mean equal expressions.
 //!
-//! Sums and products are n-ary and sorted, like terms are collected with exact rational coefficients, and nothing is
-//! expanded. Rewrites change a value by no more than rounding and keep the domain: `x / x` stays, because it is
-//! undefined at 0; `x - x` is 0 wherever `x` is defined.
+//! Sums and products are n-ary and sorted, like terms are collected with exact rational coefficients, and
+//! nothing is expanded. Rewrites change a value by no more than rounding and keep the domain: `x / x` stays,
+//! because it is undefined at 0; `x - x` is 0 wherever `x` is defined.
+//!
+//! Tests: `symbolic/tests/random.rs`.
 
 use super::function::Parity;
 use super::sign::Sign;
 use super::{Expr, Function, Graph, Node, Rational, Symbol};
 
-/// Longer sums and products remain one operand of a new one: flattening them repeatedly would make a long chain
-/// of additions quadratic.
+/// Longer sums and products remain one operand of a new one: flattening them repeatedly would make a long
+/// chain of additions quadratic.
 pub(super) const OPEN_LIMIT: usize = 32;
 
-/// Powers of a product are distributed over its factors up to this exponent, the largest of `powi`; beyond it the
-/// product stays one operand, since after some squarings exponents would leave the range of exact numbers, and equal
-/// factors could not be collected.
+/// Powers of a product are distributed over its factors up to this exponent, the largest of `powi`; beyond it
+/// the product stays one operand, since after some squarings exponents would leave the range of exact
+/// numbers, and equal factors could not be collected.
 const LARGEST_OPEN_EXPONENT: i32 = i32::MAX;
 
 /// A binary64 constant with a larger denominator (π) is not meant as a fraction, and stays one opaque number.
@@ -37,7 +39,8 @@ impl Graph {
         }
     }
 
-    /// A binary64 constant: an exact rational if that is small, else opaque. The sign goes to the coefficient.
+    /// A binary64 constant: an exact rational if that is small, else opaque. The sign goes to the
+    /// coefficient.
     pub(crate) fn float(&mut self, value: f64) -> Expr {
         match Rational::from_f64(value).filter(|rational| rational.denominator() <= SMALL_DENOMINATOR) {
             Some(rational) => self.number(rational),
@@ -117,8 +120,8 @@ impl Graph {
         }
     }
 
-    /// Adds `coefficient · operand` to `into`, flattening sums if that needs no multiplication. A number outside the
-    /// exact range becomes a separate term, so that no digit is lost.
+    /// Adds `coefficient · operand` to `into`, flattening sums if that needs no multiplication. A number
+    /// outside the exact range becomes a separate term, so that no digit is lost.
     fn collect(&self, into: &mut Collected, operand: Expr, coefficient: Rational) {
         match self.node(operand) {
             _ if coefficient.is_zero() => {}
@@ -161,7 +164,8 @@ impl Graph {
 
     /// `base^exponent` for an exact exponent.
     ///
-    /// A fractional power of a base that is not proven nonnegative becomes `sqrt` or `powf`, which keep their domain.
+    /// A fractional power of a base that is not proven nonnegative becomes `sqrt` or `powf`, which keep their
+    /// domain.
     pub(crate) fn power(&mut self, base: Expr, exponent: Rational) -> Expr {
         if exponent.is_integer() || self.sign(base) >= Sign::Nonnegative {
             return self.product_of_powers(&[(base, exponent)]);
@@ -204,8 +208,8 @@ impl Graph {
         if let Some(product) = self.product_of_selections(&merged) {
             return self.scale(product, coefficient);
         }
-        // `√u √u` has become `u`, which may be a product, a multiple or a number to flatten. A number that did not
-        // fit with this coefficient would not fit again.
+        // `√u √u` has become `u`, which may be a product, a multiple or a number to flatten. A number that
+        // did not fit with this coefficient would not fit again.
         if merges > 0 && merged.iter().any(|&(base, exponent)| self.opens_beside(coefficient, base, exponent))
         {
             let coefficient = self.number(coefficient);
@@ -244,9 +248,9 @@ impl Graph {
         Some(self.product_of_powers(&[&[(selected, Rational::ONE)], rest.as_slice()].concat()))
     }
 
-    /// Number and canonical factors of a product. If the numbers of the operands do not fit one exact number, each
-    /// multiple `c x` stays one factor: extracting only some of the numbers would make equal operands differ, and
-    /// their powers could not be collected.
+    /// Number and canonical factors of a product. If the numbers of the operands do not fit one exact number,
+    /// each multiple `c x` stays one factor: extracting only some of the numbers would make equal operands
+    /// differ, and their powers could not be collected.
     fn collect_factors(&self, operands: &[(Expr, Rational)]) -> Factors {
         let collect = |keeps_multiples| {
             let mut factors = Factors::new(Rational::ONE, keeps_multiples);

@@ -1,4 +1,5 @@
-//! Constructors of conditions and selections, in canonical form like those of numbers.
+//! Constructors of conditions and selections, in canonical form like those of numbers. Tests:
+//! `symbolic/tests/random.rs`.
 
 use super::{Expr, Function, Graph, Junction, Node, Relation, Symbol};
 
@@ -45,8 +46,8 @@ impl Graph {
         }
     }
 
-    /// Whether `expr` is piecewise with conditions on `symbols`. Its derivatives are then those of one piece, without jumps: that of a step
-    /// function is zero.
+    /// Whether `expr` is piecewise with conditions on `symbols`. Its derivatives are then the derivatives of
+    /// the pieces, without jumps: the derivative of a step function is zero.
     pub(crate) fn has_pieces(&self, expr: Expr, symbols: &[Symbol]) -> bool {
         let decides = |part: Expr| match self.node(part) {
             Node::Compare(..) => true,

@@ -6,6 +6,8 @@
 //! * powers of one base are differentiated together: `u ∛u`, `(u²)^(3/4)`, `hypot(x, y)²`,
 //! * `f(r)` with `r² = x² + y² + …` and `f'(0) = 0` has the slope `(f'(r)/r) (x x' + y y' + …)`, where the
 //!   first factor is `f''(0)` at `r = 0` ([`super::radial`]).
+//!
+//! Tests: `symbolic/tests/random.rs`, and for the limits `tests/steps/limits.rs`.
 
 use std::collections::HashMap;
 
@@ -16,8 +18,8 @@ use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 /// Products of more factors are differentiated by halves.
 const LONG_PRODUCT: usize = 8;
 
-/// The derivative `dx/ds` of every symbol `x` in the direction `s`. Symbols not listed are constant. A list of
-/// several symbols gives a total derivative: for `Q = (1-l) q_i + l q_{i+1}`, `dQ/dq_i = 1-l`.
+/// The derivative `dx/ds` of every symbol `x` in the direction `s`. Symbols not listed are constant. A list
+/// of several symbols gives a total derivative: for `Q = (1-l) q_i + l q_{i+1}`, `dQ/dq_i = 1-l`.
 pub(crate) type Direction = HashMap<Symbol, Rational>;
 
 /// Slopes by node, zero unless `known`.
@@ -84,7 +86,8 @@ impl Graph {
             Node::Product(factors) => self.product_slope(factors, slopes),
             &Node::Apply(function @ (Function::Min | Function::Max), ref arguments) => {
                 let (mut a, mut b) = (arguments[0], arguments[1]);
-                // Where both are equal, the slope is that of the second one: of a constant, if there is one.
+                // Where both are equal, the second argument gives the slope. It is the constant, if there is
+                // one.
                 if slopes.of(a) == slopes.zero {
                     (a, b) = (b, a);
                 }
@@ -140,7 +143,7 @@ impl Graph {
             others.remove(i);
             if let Some((x, root)) = self.root_of(base, exponent) {
                 let beside = others.iter().position(|&(other, e)| other == x && is_natural(e));
-                // With the first root of x.
+                // The first root of `x` is differentiated together with `x`.
                 if beside.is_some() && self.root_beside(factors, x) != Some(i) {
                     continue;
                 }
@@ -156,7 +159,7 @@ impl Graph {
                     continue;
                 }
             }
-            // Differentiated with a root of it.
+            // The base is differentiated together with a root of it.
             if is_natural(exponent) && self.root_beside(factors, base).is_some() {
                 continue;
             }
@@ -168,7 +171,7 @@ impl Graph {
             }
             if let Some((x, power, factor)) = self.even_power(base, exponent) {
                 if slopes.of(x) != slopes.zero {
-                    // Of |x|^n it is n |x|^(n-2) x, or n |x|^(n-1) with the sign of x.
+                    // The slope of |x|^n is n |x|^(n-2) x, or n |x|^(n-1) with the sign of x.
                     let (size, sign) = (self.apply(Function::Abs, &[x]), self.apply(Function::Signum, &[x]));
                     let (below, other) = if power < Rational::integer(2) { (-1, sign) } else { (-2, x) };
                     if let Some(below) = power.add(Rational::integer(below)) {
@@ -408,7 +411,7 @@ fn is_root(exponent: Rational) -> bool {
     Rational::ZERO < exponent && exponent < Rational::ONE
 }
 
-/// Of `x` in its root or absolute value.
+/// The exponent of `x` in its root or absolute value.
 fn exponent_of(root: Function) -> Rational {
     match root {
         Function::Sqrt => Rational::HALF,

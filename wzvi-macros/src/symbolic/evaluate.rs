@@ -2,6 +2,8 @@
 //!
 //! The bound is a forward analysis: an operation `f` of operands with errors `e_i` has the error
 //! `Σ sup|∂_i f| e_i + (its own rounding)`, the supremum taken over the operands' intervals.
+//!
+//! Tests: `symbolic/tests/mod.rs`, `symbolic/tests/random.rs`.
 
 use super::{Expr, Function, Graph, Junction, Node, Rational, Relation, Symbol};
 
@@ -54,12 +56,14 @@ impl Bounded {
 }
 
 impl Graph {
-    /// The values of `roots` with a bound on the rounding error; conditions are 1 or 0, the values of the symbols are exact.
+    /// The values of `roots` with a bound on the rounding error; conditions are 1 or 0, the values of the
+    /// symbols are exact.
     pub(crate) fn evaluate_bounded(&self, roots: &[Expr], values: &dyn Fn(Symbol) -> f64) -> Vec<Bounded> {
         self.fold(roots, Bounded::UNDEFINED, |_, node, value| bound_node(node, values, value))
     }
 
-    /// Applies `rule` to every node reachable from `roots`, operands first, and returns the results of the roots.
+    /// Applies `rule` to every node reachable from `roots`, operands first, and returns the results of the
+    /// roots.
     pub(super) fn fold<T: Copy>(
         &self,
         roots: &[Expr],
@@ -198,7 +202,8 @@ pub(super) fn bound_function(function: Function, arguments: &[Bounded]) -> Bound
     match function {
         Function::Abs | Function::Min | Function::Max => Bounded::rounded(value, error, 0.0),
         Function::Signum => Bounded::exact(value),
-        // The standard library composes these two from others: an inner rounding is amplified near the end of the domain.
+        // The standard library composes these two from others: an inner rounding is amplified near the end of
+        // the domain.
         Function::Acosh => Bounded::rounded(value, error + 4.0 * EPSILON, LIBRARY),
         Function::Atanh => {
             Bounded::rounded(value, error + 4.0 * EPSILON * (1.0 - first.value.abs()).recip(), LIBRARY)

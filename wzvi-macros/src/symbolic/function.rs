@@ -1,6 +1,8 @@
 //! The functions: names, emission and evaluation. Derivatives of the elementary ones are in `differentiate`.
 //!
 //! Functions that `f64` does not have are in `special`.
+//!
+//! Tests: `symbolic/tests/random.rs`.
 
 use super::special::Special;
 
@@ -12,7 +14,8 @@ pub(crate) enum Parity {
     None,
 }
 
-/// Each function with the method of `f64` and of the runtime's `Scalar` that computes it, its arguments and its parity.
+/// Each function with the method of `f64` and of the runtime's `Scalar` that computes it, its arguments and
+/// its parity.
 macro_rules! functions {
     ($($name:ident = $method:ident($x:ident $(, $y:ident)?) $(, $parity:ident)?;)+) => {
         /// A function of real arguments that the graph keeps as one node.
@@ -21,7 +24,7 @@ macro_rules! functions {
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
         pub(crate) enum Function {
             $($name,)+
-            /// Not one of `f64`.
+            /// A function that `f64` does not have.
             Special(Special),
         }
 
@@ -29,7 +32,7 @@ macro_rules! functions {
             /// The functions of `f64`.
             pub(crate) const ALL: &[Self] = &[$(Self::$name,)+];
 
-            /// The method of `f64` and of `Scalar`; of special functions the name.
+            /// The method of `f64` and of `Scalar`; for special functions the name.
             pub(crate) fn method(self) -> &'static str {
                 match self {
                     $(Self::$name => stringify!($method),)+

@@ -1,4 +1,5 @@
-//! The hash-consing arena. Handles are small copies; a node is immutable and stored once.
+//! The hash-consing arena. Handles are small copies; a node is immutable and stored once. Tests:
+//! `symbolic/tests/mod.rs`, `symbolic/tests/validate.rs`.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -45,7 +46,8 @@ impl Relation {
         }
     }
 
-    /// What `Scalar` calls it, the operator of Rust, and the signs of it and of its opposite for a reader.
+    /// The method of `Scalar`, the operator of Rust, the sign for a reader, and the sign of the opposite
+    /// relation.
     pub(crate) fn spelled(self) -> [&'static str; 4] {
         match self {
             Self::Less => ["less", "<", "<", "≥"],
@@ -55,7 +57,7 @@ impl Relation {
     }
 }
 
-/// Two conditions together.
+/// A connective of two conditions.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Junction {
     And,
@@ -70,17 +72,18 @@ pub(crate) enum Node {
     /// The bits of a binary64 number that is not a small rational (`6.674e-11`, π).
     Float(u64),
     Symbol(Symbol),
-    /// `constant + Σ coefficient · term`. Terms are sorted by handle, are not numbers, and are not sums if their
-    /// coefficient is ±1. A single term has a coefficient other than one. Two exceptions remain separate: numbers
-    /// that would leave the exact range, and sums of more than [`super::build::OPEN_LIMIT`] terms.
+    /// `constant + Σ coefficient · term`. Terms are sorted by handle, are not numbers, and are not sums if
+    /// their coefficient is ±1. A single term has a coefficient other than one. Two exceptions remain
+    /// separate: numbers that would leave the exact range, and sums of more than [`super::build::OPEN_LIMIT`]
+    /// terms.
     Sum {
         terms: Box<[(Expr, Rational)]>,
         constant: Rational,
     },
-    /// `Π base^exponent`, sorted by (base, exponent). Exponents of opposite sign of one base stay separate unless
-    /// the base is proven positive, and fractional exponents occur only with bases proven nonnegative: the domain is
-    /// preserved. Bases are neither products nor multiples that could be flattened (the exceptions are those of
-    /// sums, and products with exponents beyond those of `powi`).
+    /// `Π base^exponent`, sorted by (base, exponent). Exponents of opposite sign of one base stay separate
+    /// unless the base is proven positive, and fractional exponents occur only with bases proven nonnegative:
+    /// the domain is preserved. Bases are neither products nor multiples that could be flattened (the
+    /// exceptions are those of sums, and products with exponents beyond those of `powi`).
     Product(Box<[(Expr, Rational)]>),
     Apply(Function, Box<[Expr]>),
     /// `if condition { then } else { otherwise }`.
@@ -131,7 +134,8 @@ pub(crate) struct Graph {
     marks: RefCell<Marks>,
 }
 
-/// Multiply and rotate, one word at a time: macros run unoptimised, and the standard hasher would dominate the time.
+/// Multiply and rotate, one word at a time: macros run unoptimised, and the standard hasher would dominate
+/// the time.
 struct NodeHasher(u64);
 
 impl Hasher for NodeHasher {

@@ -3,6 +3,8 @@
 //! With `r² = x² + y² + …` the slope of `f(r)` is `f'(r) r⁻¹ (x x' + …)`: 0 times infinity times 0 at the
 //! origin, even where `f` is smooth there, which is where `f'(0) = 0`. Then `f'(r) / r` has the limit
 //! `f''(0)`.
+//!
+//! Tests: `tests/steps/limits.rs`.
 
 use super::residue::SplitMix;
 use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};

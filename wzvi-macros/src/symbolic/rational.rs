@@ -3,13 +3,14 @@
 use std::cmp::Ordering;
 use std::fmt;
 
-/// Largest numerator and denominator: every integer up to it is exact in binary64, so that [`Rational::to_f64`] is
-/// one correctly rounded division.
+/// Largest numerator and denominator: every integer up to it is exact in binary64, so that
+/// [`Rational::to_f64`] is one correctly rounded division.
 const LIMIT: i128 = 1 << 53;
 
 /// A reduced fraction with a positive denominator.
 ///
-/// Arithmetic that would leave the representable range answers `None`; the graph then keeps the operation symbolic.
+/// Arithmetic that would leave the representable range answers `None`; the graph then keeps the operation
+/// symbolic.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) struct Rational {
     numerator: i64,
@@ -103,7 +104,8 @@ impl Rational {
         Self::new(scaled as i128, 1 << 52)
     }
 
-    /// The exact value of a decimal literal such as `0.1` or `2.5e-3` (digits, point and exponent; no suffix).
+    /// The exact value of a decimal literal such as `0.1` or `2.5e-3` (digits, point and exponent; no
+    /// suffix).
     pub(crate) fn from_decimal(literal: &str) -> Option<Self> {
         let (mantissa, exponent) = match literal.split_once(['e', 'E']) {
             Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),

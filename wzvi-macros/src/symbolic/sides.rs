@@ -1,8 +1,11 @@
 //! Values of an expression on both sides of a surface, close to it.
 //!
-//! Random lines that cross the surface `edge = 0` are halved until the crossing is known to rounding. There the expression is evaluated at `s ± δ` for three `δ`, each 2⁸ times
-//! smaller than the one before, with rounding bounds. A difference that stays the same while `δ` falls is a jump. Values that grow on both sides belong to a
-//! pole.
+//! Random lines that cross the surface `edge = 0` are halved until the crossing is known to rounding. There
+//! the expression is evaluated at `s ± δ` for three `δ`, each 2⁸ times smaller than the one before, with
+//! rounding bounds. A difference that stays the same while `δ` falls is a jump. Values that grow on both
+//! sides belong to a pole.
+//!
+//! Tests: `discretise/branches.rs`.
 
 use std::collections::HashSet;
 
@@ -11,7 +14,7 @@ use super::residue::SplitMix;
 use super::zero::coordinate;
 use super::{Expr, Function, Graph, Junction, Node, Symbol, Witness};
 
-/// What is found on both sides of a surface.
+/// The behaviour of a function on both sides of a surface.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Sides {
     /// The values differ by this much at this point.
@@ -71,7 +74,8 @@ fn plain(node: &Node, values: &dyn Fn(Symbol) -> f64, value: &dyn Fn(Expr) -> f6
 }
 
 impl Graph {
-    /// What `value` does on both sides of a surface that `moving` variables can cross; `None` if no line was found to cross it.
+    /// The behaviour of `value` on both sides of a surface that `moving` variables can cross; `None` if no
+    /// line was found to cross it.
     pub(crate) fn sides(&self, value: Expr, edge: Edge, moving: &[Symbol]) -> Option<Sides> {
         let (Edge::Zero(of_edge) | Edge::PoleOfTangent(of_edge)) = edge;
         let parts = self.reachable(&[value, of_edge]);
@@ -103,7 +107,8 @@ impl Graph {
         found
     }
 
-    /// On one line; `None` if it does not cross the surface, or `value` has none on one side.
+    /// The behaviour on one line; `None` if the line does not cross the surface, or `value` is undefined on
+    /// one side.
     fn sides_on(&self, value: Expr, edge: Edge, line: &[(Symbol, [f64; 2])]) -> Option<Sides> {
         let at = |expr: Expr, share: f64| {
             let coordinate = |symbol: Symbol| {
@@ -155,8 +160,9 @@ impl Graph {
         Some(if grows(0) && grows(1) { Sides::Pole } else { Sides::Alike })
     }
 
-    /// The surfaces on which a nonnegative or changing `base` is zero, as functions that change their sign there. A sum of terms that are not negative is zero where all of them
-    /// are: without a common surface, in fewer dimensions than a motion crosses.
+    /// The surfaces on which a nonnegative or changing `base` is zero, as functions that change their sign
+    /// there. A sum of nonnegative terms is zero where all its terms are. Without a surface common to all
+    /// terms, this set has fewer dimensions, and no motion crosses it.
     pub(crate) fn surfaces_of_zero(&self, base: Expr) -> Vec<Expr> {
         let all = |operands: &mut dyn Iterator<Item = Expr>| {
             let mut found: Vec<Expr> = operands.flat_map(|operand| self.surfaces_of_zero(operand)).collect();
@@ -192,7 +198,8 @@ impl Graph {
         }
     }
 
-    /// Whether `value` is a rational function of `part`, which is built from analytic functions: then it has no finite jump where `part` has a pole.
+    /// Whether `value` is a rational function of `part`, which is built from analytic functions: then it has
+    /// no finite jump where `part` has a pole.
     pub(crate) fn is_meromorphic_in(&self, value: Expr, part: Expr) -> bool {
         let is_analytic = |&inner: &Expr| match self.node(inner) {
             Node::Select { .. } | Node::Compare(..) | Node::Not(_) | Node::Join(..) => false,

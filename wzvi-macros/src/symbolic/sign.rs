@@ -1,5 +1,6 @@
-//! Sign analysis: whether an expression is nonnegative or positive on its real domain. It decides which powers may
-//! be merged without changing the domain. Computed once, when a node is created.
+//! Sign analysis: whether an expression is nonnegative or positive on its real domain. It decides which
+//! powers may be merged without changing the domain. Computed once, when a node is created. Tests:
+//! `symbolic/tests/random.rs`.
 
 use super::{Expr, Function, Graph, Node, Rational};
 

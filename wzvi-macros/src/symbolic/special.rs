@@ -1,5 +1,5 @@
-//! Functions of one real number that `f64` does not have: all that the compiler knows of them but the identities of
-//! [`super::residue`].
+//! Functions of one real number that `f64` does not have: all that the compiler knows of them but the
+//! identities of [`super::residue`].
 //!
 //! ```text
 //! erf'    =  2/√π exp(-x²)            erfc' = -2/√π exp(-x²)
@@ -7,8 +7,10 @@
 //! bess_n' = -x bess_(n+1)(x)          bess_n(x) = J_n(x)/xⁿ    with the Bessel function J_n of the first kind
 //! ```
 //!
-//! Both families are smooth and even: `sinc_0 = sinc`, `bess_0 = j0`, and `j1 = x bess_1(x)` (DLMF 10.6.6, 10.51.3). Emitted code
-//! calls the variant of the same name in the run time's `algebra/scalar/special.rs`.
+//! Both families are smooth and even: `sinc_0 = sinc`, `bess_0 = j0`, and `j1 = x bess_1(x)` (DLMF 10.6.6,
+//! 10.51.3). Emitted code calls the variant of the same name in the run time's `algebra/scalar/special.rs`.
+//!
+//! Tests: `symbolic/tests/random.rs`, `lower/tests/identities.rs`.
 
 use std::f64::consts::FRAC_2_SQRT_PI;
 
@@ -113,8 +115,8 @@ impl Special {
 
     /// A bound of `|f'|` where `least <= |x| <= most`.
     ///
-    /// `sinc_n` and `bess_n` are Fourier transforms of positive densities on `[-1, 1]` (DLMF 10.9.4, 10.54.1), so their
-    /// slopes are at most `f(0)`; and `|f_n'| = |x f_(n+1)| <= |x| f_(n+1)(0)`.
+    /// `sinc_n` and `bess_n` are Fourier transforms of positive densities on `[-1, 1]` (DLMF 10.9.4,
+    /// 10.54.1), so their slopes are at most `f(0)`; and `|f_n'| = |x f_(n+1)| <= |x| f_(n+1)(0)`.
     pub(super) fn steepest(self, least: f64, most: f64) -> f64 {
         match self {
             Self::Erf | Self::Erfc => FRAC_2_SQRT_PI * (-least.max(0.0).powi(2)).exp(),
@@ -151,7 +153,8 @@ impl Special {
             return if x.is_nan() { (x, x) } else { (0.0, 0.0) };
         }
         if x.abs() > f64::from(n) {
-            // `f_(k+1) = (2ν f_k - f_(k-1))/x²`, stable beyond `|x| = n`; errors are in parts of the oscillations.
+            // `f_(k+1) = (2ν f_k - f_(k-1))/x²`, stable beyond `|x| = n`; errors are in parts of the
+            // oscillations.
             let climb = |(below, at), k| (at, (f64::from(self.twice(k)) * at - below) / x / x);
             let (_, value) = (1..n).fold((first, second), climb);
             let decay = -f64::from(self.twice(n) + 1) / 2.0;

@@ -12,17 +12,22 @@
 //! | `ln(1 + x)` | `ln1p x` | `x = 0` |
 //! | `a √s - a y`, with `y > 0` | `a (s - y²) / (√s + y)`, where `s - y²` cancels symbolically | `s = y²` |
 //! | `a x² - a y²` | `a (x - y) (x + y)` | `x = ±y` |
-//! | `a - a f²`, `f` one of `cos x`, `sin x`, `cosh x`, `tanh x` | `a sin²x`, `a cos²x`, `-a sinh²x`, `a / cosh²x` | `f = ±1` |
+//! | `a - a f²`, `f = cos x` or `sin x` | `a sin²x`, `a cos²x` | `f = ±1` |
+//! | `a - a f²`, `f = cosh x` or `tanh x` | `-a sinh²x`, `a / cosh²x` | `f = ±1` |
 //!
-//! Each replaces terms by one whose size is at most their sum, so that the error bound of no expression grows, and no
-//! intermediate value overflows where the terms do not. Other forms remain, because rewriting would increase the bound: `cos x - cos y` as a product of
-//! sines halves `x + y`, whose rounding is absolute; `exp x - exp y` as a product multiplies 0 by infinity where one of them underflows; squares of sums
-//! with more than two terms in total would be added in another order.
+//! Each replaces terms by one whose size is at most their sum, so that the error bound of no expression
+//! grows, and no intermediate value overflows where the terms do not. Other forms remain, because rewriting
+//! would increase the bound: `cos x - cos y` as a product of sines halves `x + y`, whose rounding is
+//! absolute; `exp x - exp y` as a product multiplies 0 by infinity where one of them underflows; squares of
+//! sums with more than two terms in total would be added in another order.
 //!
-//! One limit: a product merges with the product around it, so that powers of one factor are combined. Above 1e100 such
-//! a power may overflow although the difference does not.
+//! One limit: a product merges with the product around it, so that powers of one factor are combined. Above
+//! 1e100 such a power may overflow although the difference does not.
 //!
-//! This runs after differentiation, on emitted expressions: derivatives are taken of the forms that the user wrote.
+//! This runs after differentiation, on emitted expressions: derivatives are taken of the forms that the user
+//! wrote.
+//!
+//! Tests: `symbolic/stabilise/tests.rs`, `symbolic/tests/accuracy.rs`.
 
 use std::collections::HashMap;
 
@@ -32,8 +37,8 @@ mod pairs;
 #[cfg(test)]
 mod tests;
 
-/// `Σ coefficient · term` during rewriting; the constant is a term of the number one, and replaced terms have no
-/// coefficient.
+/// `Σ coefficient · term` during rewriting; the constant is a term of the number one, and replaced terms have
+/// no coefficient.
 type Terms = Vec<(Expr, Option<Rational>)>;
 
 impl Graph {

@@ -1,4 +1,4 @@
-//! Replaces symbols by expressions.
+//! Replaces symbols by expressions. Tests: `symbolic/tests/random.rs`.
 
 use std::collections::HashMap;
 

@@ -1,8 +1,12 @@
 //! Decides whether an expression is identically zero, with a proof either way, or not at all.
 //!
 //! 1. The canonical form is the number 0.
-//! 2. It vanishes at random points of finite fields ([`super::residue`]): zero, up to a probability below 1e-15.
-//! 3. A point where its value exceeds the rounding bound of its evaluation: not zero, with that point as witness.
+//! 2. It vanishes at random points of finite fields ([`super::residue`]): zero, up to a probability below
+//!    1e-15.
+//! 3. A point where its value exceeds the rounding bound of its evaluation: not zero, with that point as
+//!    witness.
+//!
+//! Tests: `symbolic/tests/mod.rs`, `lower/tests/identities.rs`.
 
 use super::residue::{SplitMix, vanishes_modulo_primes};
 use super::{Expr, Graph, Node, Symbol};
@@ -65,8 +69,9 @@ const FEWEST_POINTS: usize = 3;
 impl Graph {
     /// Decides whether the real expression `expr` is zero wherever it is defined.
     ///
-    /// `Nonzero` is certain (up to the error bounds that are granted to the mathematical library). `Zero` holds up to
-    /// the probability that [`super::residue`] states, and only if no floating-point witness contradicts it.
+    /// `Nonzero` is certain (up to the error bounds that are granted to the mathematical library). `Zero`
+    /// holds up to the probability that [`super::residue`] states, and only if no floating-point witness
+    /// contradicts it.
     pub(crate) fn test_zero(&self, expr: Expr) -> ZeroTest {
         match self.node(expr) {
             Node::Number(value) if value.is_zero() => return ZeroTest::Zero,

@@ -1,4 +1,4 @@
-//! Products of the slopes of two sums, contracted over their common slots.
+//! Products of the slopes of two sums, contracted over their common slots. Tests: `discretise/sums/tests.rs`.
 
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ pub(crate) enum Increments {
     Each,
     /// The product of two sums with the same increments: `ΔW_j ΔW_k` is `ΔW_k ΔW_j`.
     Together,
-    /// The mean of that over the increments: nonzero only if both belong to one noise.
+    /// The mean of such a product over the increments: nonzero only if both belong to one noise.
     Diagonal,
 }
 
@@ -92,8 +92,8 @@ impl Readers {
 }
 
 impl Calculus<'_> {
-    /// `Σ_s ∂F/∂x_s ∂G/∂y_s` over all slots `s`, for a half of the phase space each; `None` if an index exceeds this
-    /// arithmetic.
+    /// `Σ_s ∂F/∂x_s ∂G/∂y_s` over all slots `s`, for a half of the phase space each; `None` if an index
+    /// exceeds this arithmetic.
     pub(crate) fn contract(&mut self, one: By<'_>, other: By<'_>, increments: Increments) -> Option<Sum> {
         let ((first, by), (second, other)) = (one, other);
         let beyond = self.space.beyond();
@@ -205,7 +205,8 @@ struct Placed {
 }
 
 impl Placed {
-    /// Moves every loop so that the first point that it reads is its variable, and numbers the variables by depth.
+    /// Moves every loop so that the first point that it reads is its variable, and numbers the variables by
+    /// depth.
     fn settle(&mut self, space: &Space, read: &[Index]) -> Option<()> {
         for at in 0..self.loops.len() {
             let own = self.loops[at].variable;
@@ -233,8 +234,8 @@ impl Placed {
     }
 }
 
-/// The offset, in points, of an index from the variable of a loop: `Some(None)` if it does not read the variable, `None` if
-/// it reads it otherwise.
+/// The offset, in points, of an index from the variable of a loop: `Some(None)` if it does not read the
+/// variable, `None` if it reads it otherwise.
 fn offset(index: &Index, own: u32, components: i128) -> Option<Option<i128>> {
     match index.slope(own)? {
         0 => Some(None),

@@ -1,4 +1,4 @@
-//! Sums as text, in indices.
+//! Sums as text, in indices. Tests: `discretise/sums/tests.rs`.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -11,7 +11,8 @@ use crate::model::{Element, Index, Local, Loop, Slot};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 impl Space {
-    /// The names of indices, with `i`, `j`, ... for the variables of `loops`, which sums made here number likewise.
+    /// The names of indices, with `i`, `j`, ... for the variables of `loops`, which sums made here number
+    /// likewise.
     fn reader<T>(&self, loops: &[Loop], read: impl FnOnce(&Names<'_>) -> T) -> T {
         let letter = |variable: u32| {
             let depth = loops.iter().position(|known| known.variable == variable);
@@ -73,7 +74,7 @@ impl Space {
         spelled.collect()
     }
 
-    /// One of `loops`.
+    /// The range of one loop as text.
     fn range(&self, loops: &[Loop], known: &Loop) -> String {
         if is_condition(known) {
             return format!("where {} > 0", self.index(loops, &known.end));

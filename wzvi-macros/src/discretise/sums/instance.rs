@@ -1,4 +1,5 @@
 //! A sum at a given size, with every placement written out: one expression in one symbol for each slot.
+//! Tests: `discretise/sums/tests.rs`.
 
 use std::collections::HashMap;
 
@@ -9,7 +10,7 @@ use crate::symbolic::{Expr, Graph, Rational, Symbol};
 /// The most nodes of an expression that is written out.
 const MOST_NODES: usize = 20_000;
 
-/// The entry of a table of integers, if the table is arbitrary.
+/// The multiplier of a hash: an arbitrary table of integers has hashed indices as entries.
 const SPREAD: i128 = 2_654_435_761;
 
 /// Why a sum is not written out.
@@ -92,7 +93,7 @@ impl<'s> Site<'s> {
         Some(all)
     }
 
-    /// One placement; `None` if an index is out of range.
+    /// The value of one placement; `None` if an index is out of range.
     fn at(
         &mut self,
         graph: &mut Graph,
@@ -155,8 +156,8 @@ impl<'s> Site<'s> {
         *self.symbols.entry(place).or_insert_with(|| graph.new_symbol(name()))
     }
 
-    /// The index at these values of the loop variables; sizes and counts in fields equal those of the phase space, tables
-    /// are arbitrary.
+    /// The index at these values of the loop variables; sizes and counts in fields equal those of the phase
+    /// space, tables are arbitrary.
     fn integer(&self, index: &Index, values: &Values) -> Option<i128> {
         index.value(&|atom| match atom {
             Atom::Loop(own) => Some(values.iter().find(|(known, _)| known == own)?.1),

@@ -1,18 +1,21 @@
 //! Sums for which a few sizes decide all sizes.
 //!
-//! Let every placement of a sum read points `v + c` near the variable `v` of one loop, points `c` near the first or `n + c`
-//! near the last, all `|c| <= w`, counted around the ring where an index wraps; and let the loops go from `c` or `n + c` to
-//! `n + c`. Write the sum `R_n` as the sum of its parts `R_(n,S)` that depend on exactly the variables at the points `S` and
-//! vanish where one of them is zero (the analysis of variance with base point 0). `R_n` vanishes if and only if all parts
-//! do.
+//! Let every placement of a sum read points `v + c` near the variable `v` of one loop, points `c` near the
+//! first or `n + c` near the last, all `|c| <= w`, counted around the ring where an index wraps; and let the
+//! loops go from `c` or `n + c` to `n + c`. Write the sum `R_n` as the sum of its parts `R_(n,S)` that depend
+//! on exactly the variables at the points `S` and vanish where one of them is zero (the analysis of variance
+//! with base point 0). `R_n` vanishes if and only if all parts do.
 //!
-//! 1. A part with points beyond `w` of both ends comes from placements within `2 w` of these. If `n > 10 w + 3`, there is a
-//!    point that neither these nor the placements at the ends read. Without it the points are those of `n - 1`, and the same
-//!    placements give the same part. So these parts vanish for every such `n` if they do for one.
-//! 2. A part with points at the ends only, or with none, is `a n + b` for `n >= 10 w + 4`: one placement more for each point
-//!    more. So it vanishes for every such `n` if it does for two.
+//! 1. A part with points beyond `w` of both ends comes from placements within `2 w` of these. If
+//!    `n > 10 w + 3`, there is a point that neither these nor the placements at the ends read. Without it the
+//!    points are those of `n - 1`, and the same placements give the same part. So these parts vanish for
+//!    every such `n` if they do for one.
+//! 2. A part with points at the ends only, or with none, is `a n + b` for `n >= 10 w + 4`: one placement more
+//!    for each point more. So it vanishes for every such `n` if it does for two.
 //!
 //! With `n = 1 .. 10 w + 5` all sizes are decided.
+//!
+//! Tests: `discretise/sums/tests.rs`.
 
 use std::collections::HashMap;
 
@@ -48,8 +51,8 @@ impl Space {
         width.checked_mul(10)?.checked_add(4)
     }
 
-    /// The sum of a system of literal size `n` as a member of a family for all sizes: integers nearer to `n` than to 0 are
-    /// counted from `n`.
+    /// The sum of a system of literal size `n` as a member of a family for all sizes: integers nearer to `n`
+    /// than to 0 are counted from `n`.
     pub(super) fn generalised(&self, sum: &Sum, n: i128) -> Option<(Self, Sum)> {
         let lift_one = |weighted: &Weighted| {
             weighted.moved(&|index| lifted(index, n, 1), &|index| lifted(index, n, self.components))

@@ -2,12 +2,16 @@
 //!
 //! ```text
 //! F = Σ_e Σ_(loops of e) f_e(locals of e)
-//! Σ_s ∂F/∂p_s ∂G/∂q_s = Σ_(e, e') Σ_(momentum x of e, coordinate y of e') Σ_(loops of e and e': slot of x = slot of y) ∂f_e/∂x ∂g_e'/∂y
+//! Σ_s ∂F/∂p_s ∂G/∂q_s = Σ_(e, e') Σ_(momentum x of e, coordinate y of e')
+//!                       Σ_(loops of e and e': slot of x = slot of y) ∂f_e/∂x ∂g_e'/∂y
 //! ```
 //!
-//! That is a sum of elements again: the equation of the slots is solved for a loop variable ([`solve`]), and terms in
-//! the same loops are added up ([`contract`]). Brackets, the defect, the counter-term, energy rates and the rates of first
-//! integrals are such sums, at any size. [`vanish`] decides whether one is zero or constant.
+//! The result is a sum of elements again: the equation of the slots is solved for a loop variable
+//! ([`solve`]), and terms in the same loops are added up ([`contract`]). Brackets, the defect, the
+//! counter-term, energy rates and the rates of first integrals are such sums, at any size. [`vanish`] decides
+//! whether one is zero or constant.
+//!
+//! Tests: `discretise/sums/tests.rs`.
 
 mod contract;
 mod display;
@@ -206,7 +210,7 @@ impl Calculus<'_> {
         terms
     }
 
-    /// `None` if one of them is unknown.
+    /// The difference of two sums; `None` if one of them is unknown.
     pub(crate) fn difference(&mut self, one: Option<Sum>, other: Option<Sum>) -> Option<Sum> {
         Some(self.combine(&[(&one?, Rational::ONE), (&other?, Rational::MINUS_ONE)]))
     }

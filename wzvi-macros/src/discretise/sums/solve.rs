@@ -1,4 +1,5 @@
-//! Coincidence of two slots: the equation of their indices is solved for a loop variable, or shown never to hold.
+//! Coincidence of two slots: the equation of their indices is solved for a loop variable, or shown never to
+//! hold.
 //!
 //! | equation | is |
 //! |---|---|
@@ -11,8 +12,10 @@
 //! | `(v + a) mod n = b` with `v` in `0..n` and `0 <= b < n` | `v = (b - a) mod n` |
 //! | `(b + c) mod n = b` with `0 <= b < n` | true where `n` divides `c`, else never |
 //!
-//! A condition that is not known to hold restricts a loop. An undecided one (two entries of tables) becomes a loop that
-//! runs once if it holds and not at all otherwise.
+//! A condition that is not known to hold restricts a loop. An undecided one (two entries of tables) becomes a
+//! loop that runs once if it holds and not at all otherwise.
+//!
+//! Tests: `discretise/sums/tests.rs`.
 
 use super::{Space, variable};
 use crate::diagnostics::promised;
@@ -55,7 +58,8 @@ impl Placement {
     }
 }
 
-/// The loops restricted to solutions of the equations, if there are any; `None` if an index exceeds this arithmetic.
+/// The loops restricted to solutions of the equations, if there are any; `None` if an index exceeds this
+/// arithmetic.
 pub(super) fn solve(
     space: &Space,
     loops: Vec<Loop>,
@@ -141,7 +145,8 @@ impl Solver<'_> {
         Some(false)
     }
 
-    /// Solves for a loop variable, preferably for one that runs over all points: its range is then no condition.
+    /// Solves for a loop variable, preferably for one that runs over all points: its range is then no
+    /// condition.
     fn eliminate(&mut self, equation: &Equation) -> Option<bool> {
         let difference = &equation.difference;
         let is_read = |own: &Loop| self.loops.iter().any(|other| reads(other, own.variable));
@@ -167,7 +172,8 @@ impl Solver<'_> {
         Some(true)
     }
 
-    /// Whether the range of a loop variable that `index` reads depends on `own`, which then cannot be solved for.
+    /// Whether the range of a loop variable that `index` reads depends on `own`, which then cannot be solved
+    /// for.
     fn is_around(&self, own: u32, index: &Index) -> bool {
         let present = index.loops();
         let mut inside = vec![own];

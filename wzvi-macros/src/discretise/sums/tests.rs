@@ -1,4 +1,4 @@
-//! The same facts for the same Hamiltonians, whether the size is a literal, a const generic or that of a slice.
+//! Facts do not depend on how the size is given: as a literal, by a const generic, or by a slice.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -111,7 +111,7 @@ fn families_of_site_noises() {
     let kubo = "|q, p, k| 0.5 * sigma * (q[k] * q[k] + p[k] * p[k]); $n";
     let expected = Expected { noise: Multiplicative, consistent: Is::Refuted, energy, commuting };
     check("f64", 1, OSCILLATORS, kubo, &expected);
-    // The same from the other end, and shifted around the ring.
+    // Counted from the other end, and shifted around the ring.
     let reversed = "|q, p, k| 0.5 * sigma * (q[$n - 1 - k].powi(2) + p[$n - 1 - k].powi(2)); $n";
     check("f64", 1, OSCILLATORS, reversed, &expected);
     let expected = Expected { energy: Is::Refuted, ..expected };
@@ -295,7 +295,8 @@ fn what_only_the_running_program_knows_is_unknown_or_refuted() {
     assert_ne!(verdict(&facts.commuting), Is::Proven);
 }
 
-/// `Σ_k {H_k, {H_k, H_0}}` is constant, or not, in one degree of freedom and in loops; what a force, friction or a mixed noise needs beside it.
+/// `Σ_k {H_k, {H_k, H_0}}` is constant, or not, in one degree of freedom and in loops; what a force, friction
+/// or a mixed noise needs beside it.
 #[test]
 fn weak_order_two_is_known_where_the_double_brackets_are_constant() {
     let cases = [

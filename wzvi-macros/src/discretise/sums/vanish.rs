@@ -1,10 +1,13 @@
 //! Whether a sum is zero, or constant on the phase space.
 //!
 //! 1. Where the terms in the same loops vanish identically, the sum is zero at any size.
-//! 2. Otherwise the sum is written out at a few sizes: a point where it does not vanish is a counterexample for all of them.
+//! 2. Otherwise the sum is written out at a few sizes: a point where it does not vanish is a counterexample
+//!    for all of them.
 //! 3. If the sum is local ([`super::locality`]), a few sizes are a proof.
 //!
 //! A sum `R` is constant if and only if `R(z) - R(z')` vanishes for any two states.
+//!
+//! Tests: `discretise/sums/tests.rs`.
 
 use std::collections::HashMap;
 
@@ -74,7 +77,7 @@ impl Judge<'_, '_> {
         }
     }
 
-    /// For one size.
+    /// Decides for one size.
     fn decide_at(&mut self, sum: &Sum, size: i128) -> Knowledge {
         match self.instance(sum, size, Numbers::Known) {
             Ok(verdict) => return verdict.known(),
@@ -100,7 +103,7 @@ impl Judge<'_, '_> {
         Some(holds(first) && holds(first + 1))
     }
 
-    /// For all sizes.
+    /// Decides for all sizes.
     fn decide_for_all(&mut self, sum: &Sum) -> Knowledge {
         let mut tried: Vec<String> = Vec::new();
         for size in TRIED {
@@ -125,15 +128,15 @@ impl Judge<'_, '_> {
         })
     }
 
-    /// For all sizes, from the sizes that decide the others.
+    /// Decides for all sizes by the few that decide the others ([`super::locality`]).
     fn decide_by_few(&mut self, sum: &Sum) -> Option<Knowledge> {
         let first = self.sums.space.deciding_size(sum)?;
         for size in 1..=first + 1 {
             match self.instance(sum, size, Numbers::Free) {
                 Ok(ZeroTest::Zero) => {}
                 Err(NotWritten::OutOfRange) if size < first => {}
-                // A ring of few points overlaps itself: a counterexample with free numbers counts only if known numbers
-                // confirm it.
+                // A ring of few points overlaps itself: a counterexample with free numbers counts only if
+                // known numbers confirm it.
                 Ok(ZeroTest::Nonzero(_)) => {
                     let verdict = self.instance(sum, size, Numbers::Known).ok()?;
                     return matches!(verdict, ZeroTest::Nonzero(_)).then(|| verdict.known());
@@ -206,7 +209,7 @@ impl Judge<'_, '_> {
     }
 }
 
-/// Whether no index of it reads a size or a table.
+/// Whether no index of an element reads a size or a table.
 fn is_the_same_at_all_sizes(weighted: &Weighted) -> bool {
     let Weighted { element, increments } = weighted;
     let of_loops = element.loops.iter().flat_map(|known| [&known.start, &known.end]);

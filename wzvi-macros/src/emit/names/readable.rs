@@ -1,10 +1,13 @@
 //! Emitted code with unmarked names, and with imports instead of paths.
 //!
-//! The complete code of a struct is scanned first. An emitted name loses its mark, and a type is imported, unless the word occurs
-//! among the user's tokens in the code: generics of the struct, constants and fields that it reads. So neither side captures a name
-//! of the other, and names stay distinct. Items around the struct, which its tokens do not show, could still interfere. A pattern
-//! `h` would match a constant `h`, so all bound names are imported as functions, which patterns may shadow. An argument `L` would
-//! be read as a type `L`, so numbers among the arguments of types are in braces.
+//! The complete code of a struct is scanned first. An emitted name loses its mark, and a type is imported,
+//! unless the word occurs among the user's tokens in the code: generics of the struct, constants and fields
+//! that it reads. So neither side captures a name of the other, and names stay distinct. Items around the
+//! struct, which its tokens do not show, could still interfere. A pattern `h` would match a constant `h`, so
+//! all bound names are imported as functions, which patterns may shadow. An argument `L` would be read as a
+//! type `L`, so numbers among the arguments of types are in braces.
+//!
+//! Tests: `tests/compiler/hygiene.rs`.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -22,8 +25,8 @@ const PRIMITIVES: [&str; 7] = ["bool", "f64", "i128", "isize", "str", "u32", "us
 /// Keywords before the name of an item.
 const DECLARING: [&str; 4] = ["const", "fn", "struct", "type"];
 
-/// `generated` with readable names and its imports. `crate_path` names the facade crate in the user's crate. The
-/// user's tokens in the code are `in_code`, the user's other tokens `elsewhere`.
+/// `generated` with readable names and its imports. `crate_path` names the facade crate in the user's crate.
+/// The user's tokens in the code are `in_code`, the user's other tokens `elsewhere`.
 pub(crate) fn readable(
     generated: TokenStream,
     crate_path: &syn::Path,
@@ -151,7 +154,8 @@ impl Survey {
         number
     }
 
-    /// Words are assigned to items first, then to types, then to bound names: those of formulas before those of emitters.
+    /// Words are assigned to items first, then to types, then to bound names: those of formulas before those
+    /// of emitters.
     fn decide(self) -> Decided {
         let Self { of_user, words: Distinct { values: words, .. }, paths, .. } = self;
         let paths = paths.values;

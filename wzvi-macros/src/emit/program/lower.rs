@@ -1,5 +1,6 @@
-//! From the symbolic graph to a [`Program`]: definitions are followed, common factors taken out, sums and products
-//! split by level.
+//! From the symbolic graph to a [`Program`]: definitions are followed, common factors taken out, sums and
+//! products split by level. Tests: `tests/steps/accuracy.rs`, and the golden expansions
+//! (`compile/golden_tests.rs`).
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -104,8 +105,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A product with the factors of its sums taken out: `h (a x + a y)` is the product of `h`, `a` and `x + y`, so that
-    /// `h a` is one constant.
+    /// A product with the factors of its sums taken out: `h (a x + a y)` is the product of `h`, `a` and
+    /// `x + y`, so that `h a` is one constant.
     fn flat_product(&mut self, factors: &[(Expr, Rational)], coefficient: Rational) -> Flat {
         let mut flat: Flat = (coefficient, Vec::new());
         let mut pending: Vec<(Expr, Rational)> = factors.iter().rev().copied().collect();
@@ -319,7 +320,8 @@ impl<'a> Lowering<'a> {
         Some(Signed { negative: start.negative, op })
     }
 
-    /// `coefficient · Π base^exponent`: per level one product over one quotient; the coefficient joins the earliest.
+    /// `coefficient · Π base^exponent`: per level one product over one quotient; the coefficient joins the
+    /// earliest.
     fn lower_product(&mut self, factors: &[(Expr, Rational)], coefficient: Rational) -> Signed {
         let mut total: Option<Op> = None;
         let size = if coefficient.is_negative() { coefficient.negate() } else { coefficient };
@@ -370,8 +372,9 @@ impl<'a> Lowering<'a> {
         Signed { negative, op }
     }
 
-    /// `1 / base^size` through the one reciprocal that all inverse powers of the base share; half-integer powers as
-    /// `(√base / base) · base^-k`, in an order that neither overflows nor underflows before the result does.
+    /// `1 / base^size` through the one reciprocal that all inverse powers of the base share; half-integer
+    /// powers as `(√base / base) · base^-k`, in an order that neither overflows nor underflows before the
+    /// result does.
     fn lower_inverse_power(&mut self, base: Op, size: Rational) -> Op {
         let inverse = self.program.push(Operation::Reciprocal(base));
         let whole = size.numerator() / size.denominator();

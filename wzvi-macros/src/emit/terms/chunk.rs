@@ -1,11 +1,13 @@
-//! The innermost loop of an element, in chunks. Inputs are sliced or gathered, and the arithmetic runs over slices of
-//! one length without conditions, so that it can be vectorised. Results are added at once to one slice of each vector;
-//! results for a second slice of the same vector, which may overlap the first, wait in a buffer. A bond of neighbours
-//! needs no buffer: its slope at the right end is carried to the next bond, which has its left end there.
+//! The innermost loop of an element, in chunks. Inputs are sliced or gathered, and the arithmetic runs over
+//! slices of one length without conditions, so that it can be vectorised. Results are added at once to one
+//! slice of each vector; results for a second slice of the same vector, which may overlap the first, wait in
+//! a buffer. A bond of neighbours needs no buffer: its slope at the right end is carried to the next bond,
+//! which has its left end there.
 //!
-//! Terms are added to every place in the order of the placements, independent of where chunks begin: the slice furthest ahead is
-//! added to at once, those behind it after the chunk, which ends before it would reach a slice that is further ahead than an
-//! earlier one.
+//! Terms are added to every place in the order of the placements, wherever chunks begin: the slice with the
+//! largest index is written at once, the others after the chunk; a chunk ends before two slices overlap.
+//!
+//! Tests: `tests/loops/one_by_one.rs`, `tests/loops/tables.rs`.
 
 mod beside;
 mod motion;
@@ -41,7 +43,7 @@ pub(super) struct Chunk<'a> {
     pub(super) pass: Pass,
     /// The start and the end of the innermost loop, if there is one.
     pub(super) range: Option<[TokenStream; 2]>,
-    /// Its start, unless it depends on the active noises.
+    /// The start of the loop, unless it depends on the active noises.
     pub(super) start: Option<Index>,
     pub(super) outputs: &'a [(Expr, Target)],
     pub(super) arithmetic: &'a Arithmetic,
@@ -50,7 +52,8 @@ pub(super) struct Chunk<'a> {
     /// Whether the loop is restricted to wanted places.
     pub(super) has_windows: bool,
     pub(super) wanted: Wanted,
-    /// What [`lists`] found, if placements that are not adjacent in the state are evaluated in lanes.
+    /// The lists that [`lists`] found, if placements that are not adjacent in the state are evaluated in
+    /// lanes.
     pub(super) beside: Option<&'a [OpenList]>,
 }
 
@@ -63,11 +66,12 @@ struct Code {
     before: TokenStream,
     /// Ends the chunk early, by `__len`, where an index wraps around.
     limits: TokenStream,
-    /// The same, where a place would otherwise get its terms in another order.
+    /// Ends the chunk early where a place would otherwise get its terms in another order.
     ordering: TokenStream,
     /// Indices whose limit has been emitted.
     limited: Vec<Index>,
-    /// The beginnings of the stretches of the loop, named `__first` and a number: of the piece, then of the chunk.
+    /// The beginnings of the stretches of the loop, named `__first` and a number: of the piece, then of the
+    /// chunk.
     firsts: Vec<Stretch>,
     /// Slices of this chunk.
     opening: TokenStream,

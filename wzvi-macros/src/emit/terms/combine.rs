@@ -1,6 +1,6 @@
-//! Elements in reduced variables. A bond `V(q[i + 1] - q[i])` has two locals and is a function of one number `d`: its
-//! slopes are `V'(d)` and `-V'(d)`, its curvatures `±V''(d)`. Derivatives by such combinations are fewer than those by
-//! the locals, and those by the locals are sums of them by the chain rule
+//! Elements in reduced variables. A bond `V(q[i + 1] - q[i])` has two locals and is a function of one number
+//! `d`: its slopes are `V'(d)` and `-V'(d)`, its curvatures `±V''(d)`. Derivatives by such combinations are
+//! fewer than those by the locals, and those by the locals are sums of them by the chain rule
 //!
 //! ```text
 //! d_k = Σ_j a_kj x_j,   ∂f/∂x_j = Σ_k a_kj ∂F/∂d_k,   ∂²f/∂x_i ∂x_j = Σ_kl a_ki a_lj ∂²F/∂d_k ∂d_l
@@ -110,7 +110,7 @@ impl Combined {
     }
 }
 
-/// The same without combinations.
+/// The second derivatives of `value` by pairs of symbols, without combinations.
 pub(super) fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
     let mut all = Vec::new();
     for (a, &first) in symbols.iter().enumerate() {

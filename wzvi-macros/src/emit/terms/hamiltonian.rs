@@ -1,4 +1,5 @@
-//! The description of a system: its sizes and names, parameters, friction.
+//! The description of a system: its sizes and names, parameters, friction. Tests: the golden expansions
+//! (`compile/golden_tests.rs`).
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, format_ident, quote};
@@ -49,7 +50,8 @@ pub(super) fn kind(model: &System) -> Option<TokenStream> {
     (!fields.is_empty()).then(|| quote!(#kind { #(#fields: true,)* ..#kind::AUTONOMOUS }))
 }
 
-/// `Hamiltonian::validate` of a system with friction but no bath; a bath is checked when its steps are prepared.
+/// `Hamiltonian::validate` of a system with friction but no bath; a bath is checked when its steps are
+/// prepared.
 fn validate(model: &System) -> Option<TokenStream> {
     (model.friction.is_some() && !model.has_thermostat()).then(|| {
         quote! {

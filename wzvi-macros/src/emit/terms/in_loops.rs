@@ -1,4 +1,4 @@
-//! Steps in loops: the description of a scheme for the run time.
+//! Steps in loops: the description of a scheme for the run time. Tests: `tests/loops/sweeps.rs`.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;

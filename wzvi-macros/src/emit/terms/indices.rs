@@ -1,4 +1,5 @@
-//! Integer expressions as Rust: `isize` arithmetic, checked in advance by [`super::places`] or during evaluation.
+//! Integer expressions as Rust: `isize` arithmetic, checked in advance by [`super::places`] or during
+//! evaluation.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -111,7 +112,7 @@ impl Indices<'_> {
         if self.checked && !indices.is_empty() { quote!((*#tokens)) } else { tokens }
     }
 
-    /// The same without the suffix.
+    /// The expression of the list `table` at `indices`, without the suffix of the table.
     pub(crate) fn list(&self, table: u32, indices: &[Index]) -> TokenStream {
         let known = self.tables.get(table as usize);
         let mut tokens = known.map_or_else(TokenStream::new, |table| table.tokens.clone());
@@ -131,7 +132,8 @@ impl Indices<'_> {
         same.find(|list| list.tokens.to_string() == tokens.to_string()).map(|list| &list.name)
     }
 
-    /// An entry at known indices as an `f64`; NaN if it does not exist, which is reported when a stepper is made.
+    /// An entry at known indices as an `f64`; NaN if it does not exist, which is reported when a stepper is
+    /// made.
     pub(crate) fn constant_entry(&self, table: u32, indices: &[Index]) -> TokenStream {
         let lengths = self.tables.get(table as usize).map_or(&[][..], |table| &table.lengths);
         let is_there = |(dimension, index): (usize, &Index)| {

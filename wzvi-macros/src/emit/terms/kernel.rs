@@ -1,4 +1,5 @@
-//! One element in its loops, with loop-invariant values hoisted. [`Chunk`] is the innermost one.
+//! One element in its loops, with loop-invariant values hoisted. [`Chunk`] is the innermost one. Tests:
+//! `tests/loops`.
 
 use std::collections::HashMap;
 
@@ -159,7 +160,8 @@ impl Nests<'_> {
         quote!(#before #buffers #nest #after)
     }
 
-    /// The innermost loop: in rows of pairs, in lanes of gathered placements where the sums allow it, or in chunks.
+    /// The innermost loop: in rows of pairs, in lanes of gathered placements where the sums allow it, or in
+    /// chunks.
     fn innermost(
         &self,
         weighted: &Weighted,

@@ -1,4 +1,5 @@
-//! The parts of `drift = [H_A, H_B]` of a system of elements: parts with numbers of their own.
+//! Terms with numbers of their own: the parts of `drift = [H_A, H_B]`, friction, temperature, first
+//! integrals. Tests: `tests/forces`.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -10,7 +11,8 @@ use crate::discretise::{Kinetic, Part, Sum, Weighted, unweighted};
 use crate::emit::count;
 use crate::model::{Friction, System, Temperature, Term};
 
-/// The numbers of the parts after those of the step Hamiltonian: parts of the drift, friction, temperature, first integrals.
+/// The numbers of the parts after those of the step Hamiltonian: parts of the drift, friction, temperature,
+/// first integrals.
 pub(super) struct Numbers {
     pub(super) parts: usize,
     pub(super) friction: usize,
@@ -29,7 +31,7 @@ impl Numbers {
     }
 }
 
-/// What is computed of each term with a number of its own.
+/// The terms with numbers of their own, and the quantities computed of them.
 fn numbered(model: &mut System) -> Vec<(usize, Wanted, Sum)> {
     let numbers = Numbers::of(model);
     let value = |number: usize, term: &Term| (number, Wanted::Value, unweighted(&term.values));
@@ -65,7 +67,7 @@ fn numbered(model: &mut System) -> Vec<(usize, Wanted, Sum)> {
     all
 }
 
-/// The arms of these terms, weighed by the step size but for first integrals.
+/// The arms of the numbered terms, weighted by the step size except for first integrals.
 pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
     let (weight, first_integral) = (wanted.step_size(None), Numbers::of(model).integrals);
     let terms = numbered(model).into_iter().filter(|(_, known, _)| *known == wanted);

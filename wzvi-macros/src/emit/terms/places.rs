@@ -1,5 +1,5 @@
-//! The places read by elements that the compiler cannot prove to exist, as constants for the run time, which checks them by
-//! interval arithmetic.
+//! The places read by elements that the compiler cannot prove to exist, as constants for the run time, which
+//! checks them by interval arithmetic. Tests: `tests/loops/ranges.rs`.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,8 @@ use crate::model::{Atom, Bounds, Element, Index, Loop, Operation, Slot, System, 
 const LARGEST: i128 = i32::MAX as i128;
 const MOST_DEGREES: i128 = LARGEST / size_of::<f64>() as i128;
 
-/// `Elements::PLACES` and `Elements::entries`; empty if all places are proven, unless states of points may have a component too many.
+/// `Elements::PLACES` and `Elements::entries`; empty if all places are proven, unless states of points may
+/// have a component too many.
 pub(super) fn emit(system: &System) -> TokenStream {
     let mut places = Places { system, arms: BTreeMap::new() };
     let mut nests = TokenStream::new();

@@ -1,4 +1,4 @@
-//! Elements with the weight of their part and the increments of their noises.
+//! Elements with the weight of their part and the increments of their noises. Tests: `tests/loops`.
 
 use std::collections::HashMap;
 
@@ -27,7 +27,8 @@ pub(super) struct Nests<'m> {
 }
 
 impl Nests<'_> {
-    /// All elements of a part: the value, or the code that adds their derivatives; first its condition, if there is a single one.
+    /// The condition of a part, if there is a single one, and the code of its elements: their value, or
+    /// statements that add their derivatives.
     pub(super) fn part(&mut self, part: &PartElements) -> (Option<TokenStream>, TokenStream) {
         let is_value = self.wanted == Wanted::Value;
         let sum = if is_value { &part.values } else { &part.elements };
@@ -63,7 +64,7 @@ impl Nests<'_> {
         }
     }
 
-    /// Their sum, with the weight taken out of it unless it changes in their loops.
+    /// The sum of elements, with the weight taken out unless it changes in their loops.
     fn values(&mut self, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
         let is_fixed = group.iter().flat_map(|weighted| &weighted.increments).all(|k| k.loops().is_empty());
         let (inside, outside) = if is_fixed { (None, weight) } else { (weight, None) };

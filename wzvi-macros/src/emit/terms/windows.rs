@@ -1,4 +1,5 @@
-//! Conditions for computing slopes window by window, and the number types used.
+//! Conditions for computing slopes window by window, and the number types used. Tests:
+//! `tests/loops/windows.rs`.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -17,7 +18,8 @@ fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<I
     of_parts.chain(model.parts.iter().flat_map(|term| &term.elements))
 }
 
-/// Whether the system can be stepped window by window, and is large enough if its size is known at compile time; `None` if not.
+/// Whether the system can be stepped window by window, and is large enough if its size is known at compile
+/// time; `None` if not.
 pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
     let has_loops = model.degrees_in_straight_lines().is_none();
     let are_local = has_loops && have_runs(model, parts) && move_what_they_read(model, parts);
@@ -30,8 +32,8 @@ pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<To
     }
 }
 
-/// Whether elements that read coordinates add to adjacent places or points, and those that read momenta read one place or point
-/// each and add to it.
+/// Whether elements that read coordinates add to adjacent places or points, and those that read momenta read
+/// one place or point each and add to it.
 fn have_runs(model: &System, parts: &[PartElements]) -> bool {
     let pass = |inner: &Loop| Pass { variable: inner.variable, components: model.components };
     // The places of placements, if they are adjacent.
@@ -61,8 +63,8 @@ fn have_runs(model: &System, parts: &[PartElements]) -> bool {
     })
 }
 
-/// Whether elements have a slope by every coordinate that they read: then an element that contributes to a window reads only
-/// windows to which it contributes.
+/// Whether no element reads a coordinate without acting on it. Then an element reads only windows to which it
+/// contributes.
 fn move_what_they_read(model: &mut System, parts: &[PartElements]) -> bool {
     let read = |element: &Element| -> Vec<(Expr, Symbol)> {
         element.coordinates().map(|(symbol, _)| (element.value, symbol)).collect()
@@ -94,7 +96,8 @@ pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenSt
     (by_q || by_p).then(|| quote!(__wzvi::elements::Slopes { by_q: #by_q, by_p: #by_p }))
 }
 
-/// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or points, and nothing else.
+/// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or
+/// points, and nothing else.
 pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool {
     let mut read = elements(model, parts).filter(|element| element.reads().p);
     let (Some(element), None) = (read.next(), read.next()) else { return false };
@@ -112,8 +115,8 @@ pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool 
         && read.into_iter().all(|index| point(index) == first)
 }
 
-/// The types for slopes of `f64` states: one by one, and in loops over neighbours. If only correctly rounded functions are
-/// called, both are `f64` itself.
+/// The types for slopes of `f64` states: one by one, and in loops over neighbours. If only correctly rounded
+/// functions are called, both are `f64` itself.
 pub(super) fn numbers(model: &System, parts: &[PartElements]) -> [TokenStream; 2] {
     let values: Vec<Expr> = elements(model, parts).map(|element| element.value).collect();
     let reached = model.graph.reachable(&values);
@@ -123,7 +126,8 @@ pub(super) fn numbers(model: &System, parts: &[PartElements]) -> [TokenStream; 2
     }
 }
 
-/// The largest exponent that is computed by multiplications and square roots, also after derivatives have raised it.
+/// The largest exponent that is computed by multiplications and square roots, also after derivatives have
+/// raised it.
 const SPELLED_OUT: i64 = 12;
 
 /// Whether the operation and its derivatives consist of correctly rounded ones.

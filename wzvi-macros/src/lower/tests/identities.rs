@@ -96,8 +96,8 @@ fn families_with_branches_are_consistent_at_all_sizes() {
     }
 }
 
-/// Bessel's equations of `j0` and `j1`, those of `sinc` and `erf`: derivatives do not leave the functions that proofs
-/// know. `u` stands for the first derivative and `v` for the second.
+/// Bessel's equations of `j0` and `j1`, those of `sinc` and `erf`: derivatives do not leave the functions
+/// that proofs know. `u` stands for the first derivative and `v` for the second.
 #[test]
 fn special_functions_solve_their_equations() {
     for (function, equation) in [
@@ -122,7 +122,8 @@ fn special_functions_solve_their_equations() {
     }
 }
 
-/// An angle jumps where its point crosses the negative axis, which a sum with a bounded function does not reach.
+/// An angle jumps where its point crosses the negative axis, which a sum with a bounded function does not
+/// reach.
 #[test]
 fn bounded_functions_do_not_outweigh_larger_numbers() {
     let item = "struct S { a: f64 }";

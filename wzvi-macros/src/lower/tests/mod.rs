@@ -60,7 +60,8 @@ fn drift(closure: &str) -> Model {
         .unwrap_or_else(|e| panic!("{closure}: {e}"))
 }
 
-/// The drift's value with coordinates `q`, momenta `p`, t = 0.75 and the parameters given by their display names.
+/// The drift's value with coordinates `q`, momenta `p`, t = 0.75 and the parameters given by their display
+/// names.
 fn value(closure: &str, q: &[f64], p: &[f64], parameters: &[(&str, f64)]) -> f64 {
     let model = drift(closure);
     let mut values = HashMap::new();

@@ -159,7 +159,8 @@ fn arbitrary(random: &mut Random, donor: &[TokenTree], depth: usize) -> TokenStr
         .collect()
 }
 
-/// Integers that may leave their lists, guarded or not, in all forms of a state: code or an error of the user's.
+/// Integers that may leave their lists, guarded or not, in all forms of a state: code or an error of the
+/// user's.
 #[test]
 fn indices_reach_no_internal_error() {
     let indices = [
@@ -191,8 +192,8 @@ fn indices_reach_no_internal_error() {
     }
 }
 
-/// Hamiltonians at the edge of what numbers and graphs can hold, through the whole compiler, with every kind of
-/// scheme. The result must be code or errors; `tests/accepted/constants_only.rs` runs the shorter ones.
+/// Hamiltonians at the edge of what numbers and graphs can hold, through the whole compiler, with every kind
+/// of scheme. The result must be code or errors; `tests/accepted/constants_only.rs` runs the shorter ones.
 #[test]
 fn nasty_hamiltonians_compile_or_are_refused() {
     let unary = [
@@ -286,8 +287,8 @@ const NASTY: [&str; 38] = [
     "{ let q = q; let q = q * q; let p = q; p * q }",
 ];
 
-/// Exponents that double, or grow as Fibonacci's numbers, with each `let`: the factors are counted, never written out.
-/// Each line adds a bounded number of nodes, and the whole expansion is as short as its text.
+/// Exponents that double, or grow as Fibonacci's numbers, with each `let`: the factors are counted, never
+/// written out. Each line adds a bounded number of nodes, and the whole expansion is as short as its text.
 #[test]
 fn towers_of_powers_stay_as_small_as_their_text() {
     for lines in [10, 32] {

@@ -1,4 +1,5 @@
-//! Differences of two terms: common factors are extracted, and the remaining difference may have a better form.
+//! Differences of two terms: common factors are extracted, and the remaining difference may have a better
+//! form. Tests: `symbolic/stabilise/tests.rs`, `symbolic/tests/accuracy.rs`.
 
 use super::Terms;
 use crate::symbolic::sign::Sign;
@@ -6,7 +7,7 @@ use crate::symbolic::{Expr, Function, Graph, Node, Rational, Relation};
 
 /// Sums with more terms than this are not searched for pairs.
 const MOST_TERMS: usize = 32;
-/// Nor are sums in which more terms than this have a root or an exponential.
+/// Sums in which more terms than this have a root or an exponential are not searched either.
 const MOST_CANDIDATES: usize = 8;
 
 /// `coefficient · common · (first - second)`.
@@ -50,7 +51,8 @@ impl Graph {
         })
     }
 
-    /// `c t + d u` as a difference with a factor, if `d = -c`, or if one of the two is a number up to common factors.
+    /// `c t + d u` as a difference with a factor, if `d = -c`, or if one of the two is a number up to common
+    /// factors.
     fn split(&mut self, t: Expr, c: Rational, u: Expr, d: Rational) -> Option<Difference> {
         let (mut left, mut right) = (self.factors_of(t), self.factors_of(u));
         let has_twice = |factors: &[(Expr, Rational)]| factors.windows(2).any(|pair| pair[0].0 == pair[1].0);
@@ -111,8 +113,8 @@ impl Graph {
         if x != y || m.is_negative() != n.is_negative() {
             return None;
         }
-        // The exponential of the smaller argument is the outer factor: it and the other factor are at most their
-        // difference, or one.
+        // The exponential of the smaller argument is the outer factor: it and the other factor are at most
+        // their difference, or one.
         let is_first_smaller = if m.is_negative() { n < m } else { m < n };
         let (smaller, larger) = if is_first_smaller { (u, v) } else { (v, u) };
         let outside = self.apply(Function::Exp, &[smaller]);
@@ -173,7 +175,8 @@ impl Graph {
         }
     }
 
-    /// The whole sum `c (a x² - a y²)` as `c a (x - y) (x + y)`, or as one square if `y` is a function and `x` is one.
+    /// The whole sum `c (a x² - a y²)` as `c a (x - y) (x + y)`, or as one square if `y` is a function and
+    /// `x` is one.
     pub(super) fn difference_of_squares(&mut self, pool: &Terms) -> Option<Expr> {
         let &[(first, Some(c)), (second, Some(d))] = pool.as_slice() else { return None };
         let difference = self.split(first, c, second, d)?;
@@ -185,8 +188,8 @@ impl Graph {
             Some(square) => square,
             None => {
                 let (less, more) = (self.subtract(x, y), self.add(x, y));
-                // With more terms the order of addition differs from that in `x` and `y`, and the rounding may be
-                // larger.
+                // With more terms the order of addition differs from that in `x` and `y`, and the rounding
+                // may be larger.
                 if self.length(less) > 2 || self.length(more) > 2 {
                     return None;
                 }

@@ -22,7 +22,7 @@ impl Inputs {
         if self.below(2) == 0 { 1.0 } else { -1.0 }
     }
 
-    /// Of size `10^low` to `10^high`, logarithmically.
+    /// A number between `10^low` and `10^high`, uniform in its logarithm.
     fn sized(&mut self, low: f64, high: f64) -> f64 {
         self.sign() * 10.0_f64.powf(low + (high - low) * self.fraction())
     }
@@ -112,7 +112,8 @@ impl Form {
 
 /// Squares of numbers below 1e-154 lose digits to gradual underflow in any form, so these are not tested.
 ///
-/// Each call counts as one unit in the last place, which is two roundings; a square doubles the error of its argument.
+/// Each call counts as one unit in the last place, which is two roundings; a square doubles the error of its
+/// argument.
 const FORMS: [Form; 20] = [
     Form::new("a - a * x.cos()", 6.0, |random| [random.angle(), 0.0, random.sized(-3.0, 3.0)]),
     Form::new("a + a * x.cos()", 6.0, |random| [random.angle(), 0.0, random.sized(-3.0, 3.0)]),
@@ -171,7 +172,8 @@ const FORMS: [Form; 20] = [
 /// Tries every form at this many points.
 const TRIES: usize = 150;
 
-/// Errors of the form as it is written and of the stable one, at every point where the exact value is one of binary64.
+/// Errors of the form as it is written and of the stable one, at every point where the exact value is one of
+/// binary64.
 fn measure(form: &Form) -> Vec<([f64; 3], f64, f64)> {
     let mut graph = Graph::new();
     let symbols = ["x", "y", "a"].map(|name| graph.new_symbol(name));
@@ -199,8 +201,8 @@ fn percentile(errors: impl Iterator<Item = f64>, percent: usize) -> f64 {
     errors[(errors.len() - 1) * percent / 100]
 }
 
-/// Accurate to a few units in the last place at all test points, and nowhere worse than the original form by more than
-/// that.
+/// Accurate to a few units in the last place at all test points, and nowhere worse than the original form by
+/// more than that.
 #[test]
 fn stable_forms_are_right_to_a_few_units_in_the_last_place() {
     println!("{:36} {:>9} {:>9} {:>9} | {:>6} {:>6}", "", "typical", "90 %", "largest", "median", "largest");
@@ -234,7 +236,8 @@ fn stable_forms_are_right_to_a_few_units_in_the_last_place() {
     );
 }
 
-/// Random expressions around the forms of the table: their arguments, their surroundings and their derivatives.
+/// Random expressions around the forms of the table: their arguments, their surroundings and their
+/// derivatives.
 struct Expressions {
     graph: Graph,
     leaves: [Expr; 3],
@@ -318,15 +321,16 @@ impl Expressions {
     }
 }
 
-/// Points within a few units in the last place: one computed value may be accurate by chance, several are not.
+/// Points within a few units in the last place: one computed value may be accurate by chance, several are
+/// not.
 fn cluster(random: &mut Inputs, point: [f64; 3]) -> Vec<[f64; 3]> {
     (0..6).map(|_| point.map(|x| f64::from_bits((x.to_bits() & !7) | random.below(8)))).collect()
 }
 
-/// In a cluster of points, the largest error of the stable form is at most four times that of the form as it is
-/// written, and `FEW` units in the last place: a difference of squares of inexact numbers doubles the inherited error,
-/// the largest of six samples of a rounding error is at least half of its bound, and one operation is replaced by a
-/// few.
+/// In a cluster of points, the largest error of the stable form is at most four times that of the form as it
+/// is written, and `FEW` units in the last place: a difference of squares of inexact numbers doubles the
+/// inherited error, the largest of six samples of a rounding error is at least half of its bound, and one
+/// operation is replaced by a few.
 #[test]
 fn no_stable_form_is_worse_than_what_is_written() {
     const FEW: f64 = 8.0;

@@ -1,4 +1,5 @@
-//! The measure of the compiler's work in tests: nodes of expressions that were visited or requested. The same on every machine.
+//! The measure of the compiler's work in tests: nodes of expressions that were visited or requested. The same
+//! on every machine.
 
 use std::cell::Cell;
 

@@ -203,7 +203,7 @@ fn unknown_identities_stay_unknown() {
     let logarithm = g.apply(Function::Ln, &[e]);
     let difference = g.subtract(logarithm, x);
     assert_eq!(g.test_zero(difference), ZeroTest::Unknown);
-    // The same opaque atom on both sides is enough.
+    // One opaque function on both sides is enough.
     let (product, xx) = (g.multiply(logarithm, x), square(&mut g, logarithm));
     let sum = g.add(logarithm, x);
     let sum = g.multiply(sum, logarithm);
@@ -216,8 +216,8 @@ fn unknown_identities_stay_unknown() {
 }
 
 const LINKS: usize = 10_000;
-/// The most nodes that an operation below visits per link of the chain: 88 for the derivative of a sum. A quadratic algorithm
-/// would visit 10 000.
+/// The most nodes that an operation below visits per link of the chain: 88 for the derivative of a sum. A
+/// quadratic algorithm would visit 10 000.
 const NODES_OF_LINK: u64 = 100;
 
 fn check_linear(what: &str, nodes: u64) {

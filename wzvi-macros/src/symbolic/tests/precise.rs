@@ -101,8 +101,8 @@ fn precise_function(function: Function, arguments: &[&Real]) -> Real {
     }
 }
 
-/// Power series at zero: `erf(x) = 2/√π Σ_k x (-x²)^k/(k! (2k + 1))`, and `f_n(x) = Σ_k f_n(0) Π_(j<=k) -x²/(2j (2j + 2ν))`
-/// (DLMF 7.6.1, 10.2.2).
+/// Power series at zero: `erf(x) = 2/√π Σ_k x (-x²)^k/(k! (2k + 1))`, and
+/// `f_n(x) = Σ_k f_n(0) Π_(j<=k) -x²/(2j (2j + 2ν))` (DLMF 7.6.1, 10.2.2).
 fn precise_special(special: Special, x: &Real) -> Real {
     let one = Real::from(1.0);
     let square = x * x;

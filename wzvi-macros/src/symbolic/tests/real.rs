@@ -1,4 +1,5 @@
-//! Real numbers of chosen precision: the reference of the accuracy tests of this crate, of the run time and of the facade.
+//! Real numbers of chosen precision: the reference of the accuracy tests of this crate, of the run time and
+//! of the facade.
 #![allow(dead_code, reason = "several crates share it, and each uses its part")]
 
 use std::cell::{Cell, RefCell};
@@ -30,15 +31,15 @@ pub(crate) fn with_precision<T>(bits: usize, compute: impl FnOnce() -> T) -> T {
     result
 }
 
-/// The precision for expressions in `inputs` that square differences of their squares, enough to resolve terms small
-/// against 1.
+/// The precision for expressions in `inputs` that square differences of their squares, enough to resolve
+/// terms small against 1.
 pub(crate) fn sufficient_precision(inputs: impl Iterator<Item = f64>) -> usize {
     let size = |x: f64| Real::from(x).exponent().map_or(0, i32::unsigned_abs);
     inputs.map(|x| LOWEST_PRECISION + 4 * size(x) as usize).max().unwrap_or(LOWEST_PRECISION)
 }
 
-/// The value of `compute` with increasing precision from `bits` on, until the first 90 bits no longer change; `None`
-/// if it is not finite or no precision suffices. Zero is accepted at the highest precision only.
+/// The value of `compute` with increasing precision from `bits` on, until the first 90 bits no longer change;
+/// `None` if it is not finite or no precision suffices. Zero is accepted at the highest precision only.
 pub(crate) fn exact(bits: usize, compute: impl Fn() -> Real) -> Option<Real> {
     let mut bits = bits;
     let mut last = with_precision(bits, &compute);

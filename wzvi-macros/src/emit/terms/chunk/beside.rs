@@ -1,6 +1,8 @@
-//! Vectorised placements that are not adjacent in the state: they read places from a table, or places far apart. Inputs are gathered one
-//! by one, and results are added one by one, in order. The arithmetic in between is done for a block of placements at once, in any number
-//! type.
+//! Vectorised placements that are not adjacent in the state: they read places from a table, or places far
+//! apart. Inputs are gathered one by one, and results are added one by one, in order. The arithmetic in
+//! between is done for a block of placements at once, in any number type.
+//!
+//! Tests: `tests/loops/tables.rs`.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -76,8 +78,8 @@ pub(super) struct Block {
     open: TokenStream,
 }
 
-/// Whether the innermost loop of an element reads the state at places that are not adjacent, and calls functions, so that gathering pays.
-/// Products and quotients alone are cheaper than gathering their operands.
+/// Whether the innermost loop of an element reads the state at places that are not adjacent, and calls
+/// functions, so that gathering pays. Products and quotients alone are cheaper than gathering their operands.
 pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
     let Some(inner) = element.loops.last() else { return false };
     let pass = Pass { variable: inner.variable, components };
@@ -141,7 +143,8 @@ impl Chunk<'_> {
 }
 
 impl Block {
-    /// The loop over the placements of a chunk; `place` binds the variable of the loop, if some code mentions it.
+    /// The loop over the placements of a chunk; `place` binds the variable of the loop, if some code mentions
+    /// it.
     pub(super) fn over_chunk(
         &self,
         place: &dyn Fn(&TokenStream) -> Option<TokenStream>,

@@ -1,4 +1,4 @@
-//! How an index moves with the innermost loop.
+//! How an index moves with the innermost loop. Tests: `tests/loops/one_by_one.rs`.
 
 use crate::model::{Atom, Index, Operation, Slot};
 
@@ -24,8 +24,8 @@ pub(in crate::emit::terms) struct Pass {
 }
 
 impl Pass {
-    /// Stride and first index of the places that successive placements of the loop read or write: the stride is one place or one point.
-    /// Components of one point have the same first index.
+    /// Stride and first index of the places that successive placements of the loop read or write: the stride
+    /// is one place or one point. Components of one point have the same first index.
     pub(in crate::emit::terms) fn stretch(self, index: &Index) -> Option<(i128, Index)> {
         match self.motion(index) {
             Motion::Run => Some((1, index.clone())),
@@ -72,12 +72,13 @@ impl Pass {
         index.slope(self.variable) == Some(1) || self.wrap(index, 1).is_some()
     }
 
-    /// The same where it wraps around by a place or by a point.
+    /// `k + r` and `n` of an index that wraps around by a place or by a point.
     pub(super) fn wraps(self, index: &Index) -> Option<&(Index, Index)> {
         self.wrap(index, 1).or_else(|| self.wrap(index, self.components))
     }
 
-    /// `k + r` and `n` of an index `... + stride ((k + r) % n)` with everything else fixed in the loop over `k`.
+    /// `k + r` and `n` of an index `... + stride ((k + r) % n)` with everything else fixed in the loop over
+    /// `k`.
     pub(super) fn wrap(self, index: &Index, stride: i128) -> Option<&(Index, Index)> {
         let inner = self.variable;
         let mut moving = index.terms.iter().filter(|(atom, _)| atom.reads(inner));

@@ -1,5 +1,6 @@
-//! The loop over the chunks of an innermost loop: runs of placements without wrapping of an index and without change of the
-//! order of terms at a place, restricted to those that write to wanted places.
+//! The loop over the chunks of an innermost loop: runs of placements without wrapping of an index and without
+//! change of the order of terms at a place, restricted to those that write to wanted places. Tests:
+//! `tests/loops/windows.rs`.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
@@ -73,8 +74,9 @@ impl Nest<'_> {
         quote!(#before #code #after)
     }
 
-    /// Pieces without wrapping of an index: unwanted placements are skipped once per piece, and the beginnings of slices are computed
-    /// once. Chunks begin at the same placements as otherwise, because they determine the grouping of sums.
+    /// Pieces without wrapping of an index: unwanted placements are skipped once per piece, and the
+    /// beginnings of slices are computed once. Chunks begin at the same placements as otherwise, because they
+    /// determine the grouping of sums.
     fn in_pieces(&self, stride: &Literal, places: &TokenStream) -> TokenStream {
         let Self { name, code: Code { limits, ordering, firsts, .. }, chunk, sums, .. } = self;
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));

@@ -1,5 +1,5 @@
-//! Pairs: an element whose innermost loop runs over the partners of a fixed body. The loop is in the run time; only the arithmetic
-//! of one pair is emitted, for any number type.
+//! Pairs: an element whose innermost loop runs over the partners of a fixed body. The loop is in the run
+//! time; only the arithmetic of one pair is emitted, for any number type. Tests: `tests/loops/pairs.rs`.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -17,8 +17,9 @@ use crate::tokens::mentions;
 /// The fewest partners that pay: the run time computes this many at once.
 const SHORT: i128 = 8;
 
-/// The place of the first component of the first partner, if the innermost loop of an element runs over partners: adjacent points, such
-/// that the element is a function of their coordinates and of those of a body fixed in the loop.
+/// The place of the first component of the first partner, if the innermost loop of an element runs over
+/// partners: adjacent points, such that the element is a function of their coordinates and of those of a body
+/// fixed in the loop.
 pub(in crate::emit::terms) fn partners(
     weighted: &Weighted,
     indices: &Indices<'_>,
@@ -149,7 +150,8 @@ impl Chunk<'_> {
         Emitted { buffers, body, after: quote!(__by_q.end_rows::<#of_partner>();) }
     }
 
-    /// The inputs of a pair: values common to the row, read before it, and lists with an entry for each partner.
+    /// The inputs of a pair: values common to the row, read before it, and lists with an entry for each
+    /// partner.
     fn open_pair(&self, pair: &mut Interaction<'_>) -> (TokenStream, Vec<TokenStream>) {
         let (mut before, mut lists) = (TokenStream::new(), Vec::new());
         pair.partner = vec![quote!(_); usize::try_from(self.pass.components).unwrap_or(1)];

@@ -1,4 +1,4 @@
-//! The stores of a chunk.
+//! The stores of a chunk. Tests: `tests/loops/one_by_one.rs`.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -73,7 +73,8 @@ impl Chunk<'_> {
         }
     }
 
-    /// The outputs, ordered so that among slopes whose places differ by a constant the one furthest ahead comes first.
+    /// The outputs, ordered so that among slopes whose places differ by a constant the one furthest ahead
+    /// comes first.
     fn furthest_first(&self) -> Vec<usize> {
         let place = |j: &usize| -> Option<(&Ident, Index, i128)> {
             let (vector, index) = self.slope(*j)?;
@@ -95,8 +96,8 @@ impl Chunk<'_> {
         order
     }
 
-    /// Ends a chunk before a slice that is added later reaches one that is added earlier, so that places get their terms in
-    /// the order of the placements.
+    /// Ends a chunk before a slice that is added later reaches one that is added earlier, so that places get
+    /// their terms in the order of the placements.
     fn keep_order(&self, code: &mut Code, j: usize) {
         let place = |j: usize| self.point(j);
         let Some((vector, stride, own)) = place(j) else { return };
@@ -131,7 +132,8 @@ impl Chunk<'_> {
         (0..self.outputs.len()).find(|&other| other != j && self.slope(other).is_some_and(is_next))
     }
 
-    /// Adds slope `j` to its slice, together with the term carried from the last iteration for the same place.
+    /// Adds slope `j` to its slice, together with the term carried from the last iteration for the same
+    /// place.
     fn store_run(&self, code: &mut Code, j: usize, next: Option<usize>) {
         let Some((vector, index)) = self.slope(j) else { return };
         let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), code.values[j].clone());
