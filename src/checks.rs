@@ -1,4 +1,5 @@
-//! What generated code hands the user's closures and schemes to, so that `rustc` checks their types where they were written. Nothing here is called.
+//! What generated code hands the user's closures and schemes to, so that `rustc` checks their types where
+//! they were written. Nothing here is called.
 
 pub use core::marker::PhantomData;
 pub use core::primitive::f64;
@@ -16,13 +17,13 @@ pub fn is_same<E>(_: PhantomData<E>) {}
 /// A Hamiltonian.
 pub fn of_state<V, F: Fn(V, V) -> f64>(_: F) {}
 
-/// The same with the time.
+/// A Hamiltonian that reads the time.
 pub fn of_time<V, F: Fn(V, V, f64) -> f64>(_: F) {}
 
 /// A family of noises.
 pub fn family<V, F: Fn(V, V, usize) -> f64>(_: F) {}
 
-/// The same with the time.
+/// A family of noises that reads the time.
 pub fn family_of_time<V, F: Fn(V, V, f64, usize) -> f64>(_: F) {}
 
 /// A friction that depends on the coordinates.
@@ -34,7 +35,7 @@ pub fn of_instant<R, F: Fn(f64) -> R>(_: F) {}
 /// A temperature of the index of a site.
 pub fn of_site<R, F: Fn(usize) -> R>(_: F) {}
 
-/// The same with the time.
+/// A temperature of the index of a site and of the time.
 pub fn of_site_and_instant<R, F: Fn(usize, f64) -> R>(_: F) {}
 
 /// The one entry of a covector.

@@ -1,9 +1,10 @@
 //! Functions that `f64` does not have, for Hamiltonians and for programs: the same values in both.
 //!
-//! In closures of [`#[hamiltonian]`](crate::hamiltonian) and in bodies of [`#[hamiltonian_fn]`](crate::hamiltonian_fn)
-//! they are functions and methods: `wzvi::functions::erf(x)`, `erf(x)` after an import, `x.erf()`. In other code, `erf` and `erfc` are
-//! functions only: the standard library has unstable methods of these names, and `rustc` would warn. The others are
-//! methods of [`SpecialFunctions`], too.
+//! In closures of [`#[hamiltonian]`](crate::hamiltonian) and in bodies of
+//! [`#[hamiltonian_fn]`](crate::hamiltonian_fn) they are functions and methods: `wzvi::functions::erf(x)`,
+//! `erf(x)` after an import, `x.erf()`. In other code, `erf` and `erfc` are functions only: the standard
+//! library has unstable methods of these names, and `rustc` would warn. The others are methods of
+//! [`SpecialFunctions`], too.
 //!
 //! ```
 //! use wzvi::functions::{erf, j0};

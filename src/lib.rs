@@ -1,8 +1,9 @@
-//! Variational integrators for (stochastic) Hamiltonian systems, derived at compile time: for long runs and many paths in
-//! which energy, phase-space volume and first integrals must not drift.
+//! Variational integrators for (stochastic) Hamiltonian systems, derived at compile time: for long runs and
+//! many paths in which energy, phase-space volume and first integrals must not drift.
 //!
-//! You write the Hamiltonian as a closure. `#[hamiltonian]` embeds the action principle in discrete time, differentiates the
-//! discrete Lagrangian symbolically and emits the step that solves the discrete Euler-Lagrange equations:
+//! You write the Hamiltonian as a closure. `#[hamiltonian]` embeds the action principle in discrete time,
+//! differentiates the discrete Lagrangian symbolically and emits the step that solves the discrete
+//! Euler-Lagrange equations:
 //!
 //! ```
 //! use wzvi::prelude::*;
@@ -30,7 +31,8 @@
 //! }
 //! ```
 //!
-//! Noise is one more closure, and many paths are one more call. Kubo's oscillator is a rotation whose angle diffuses:
+//! Noise is one more closure, and many paths are one more call. Kubo's oscillator is a rotation whose angle
+//! diffuses:
 //!
 //! ```
 //! use wzvi::prelude::*;
@@ -88,7 +90,8 @@
 //! }
 //! ```
 //!
-//! Non-Hamiltonian terms are declared beside the drift. Friction and a temperature make a heat bath, whose part of the step is exact:
+//! Non-Hamiltonian terms are declared beside the drift. Friction and a temperature make a heat bath, whose
+//! part of the step is exact:
 //!
 //! ```
 //! use wzvi::prelude::*;
@@ -116,19 +119,24 @@
 //!
 //! # The tour
 //!
-//! * **A system** has a drift `H_0` and noises `H_k`, in the sense of Stratonovich: `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with
-//!   `X_0 = t`, `X_k = W_k`. The struct implements [`Hamiltonian`](system::Hamiltonian): energies, gradients, proven first integrals.
-//!   Functions that carry [`#[hamiltonian_fn]`](hamiltonian_fn) may be shared between Hamiltonians, modules and crates.
-//! * **A scheme** is a type, an [embedding]: order 2 with [`Verlet`](embedding::Verlet) and `Midpoint`, 4 to 8 with
-//!   [`Composed`](embedding::Composed), up to 32 with [`Gauss`](embedding::Gauss). For each one listed the struct implements
-//!   [`Discretized`](system::Discretized): [`PLAN`](plan::Plan) states the facts, `EQUATIONS` prints the derivation.
-//! * **A run**: `system.simulate::<E>(h)` builds a [`Simulation`](simulate::Simulation), which gives a [`Trajectory`](trajectory::Trajectory) with tables and plots;
-//!   `system.ensemble::<E>(h)` builds an [`Ensemble`](ensemble::Ensemble), which gives [`Statistics`](ensemble::Statistics).
+//! * **A system** has a drift `H_0` and noises `H_k`, in the sense of Stratonovich:
+//!   `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with `X_0 = t`, `X_k = W_k`. The struct implements
+//!   [`Hamiltonian`](system::Hamiltonian): energies, gradients, proven first integrals. Functions that carry
+//!   [`#[hamiltonian_fn]`](hamiltonian_fn) may be shared between Hamiltonians, modules and crates.
+//! * **A scheme** is a type, an [embedding]: order 2 with [`Verlet`](embedding::Verlet) and `Midpoint`, 4 to
+//!   8 with [`Composed`](embedding::Composed), up to 32 with [`Gauss`](embedding::Gauss). For each one listed
+//!   the struct implements [`Discretized`](system::Discretized): [`PLAN`](plan::Plan) states the facts,
+//!   `EQUATIONS` prints the derivation.
+//! * **A run**: `system.simulate::<E>(h)` builds a [`Simulation`](simulate::Simulation), which gives a
+//!   [`Trajectory`](trajectory::Trajectory) with tables and plots; `system.ensemble::<E>(h)` builds an
+//!   [`Ensemble`](ensemble::Ensemble), which gives [`Statistics`](ensemble::Statistics).
 //!   `system.stepper::<E>(h)` takes [one step at a time](step::Stepper), and allocates nothing.
 //! * **Between and beyond the nodes**: [dense] output, crossings of [sections](section), derivatives by
-//!   [start and parameters](simulate::Simulation::tangent), [averages along a path](series), [modified] energies.
+//!   [start and parameters](simulate::Simulation::tangent), [averages along a path](series), [modified]
+//!   energies.
 //! * **Long runs** stop and resume with the same bits by a [`Checkpoint`](checkpoint::Checkpoint).
-//! * **Errors** are values that say where, why and what to do, and leave the state unchanged; [`Error`] unites them.
+//! * **Errors** are values that say where, why and what to do, and leave the state unchanged; [`Error`]
+//!   unites them.
 //!
 //! # Features
 //!
@@ -145,7 +153,8 @@
 //! | `interrupt` | | Ctrl-C stops runs whose handle enables it; they keep their results so far |
 //! | `mpi` | | ensembles on many machines (needs an MPI library) |
 //!
-//! Documentation that you build yourself shows the items of a feature only with that feature: `cargo doc --features plot,correlation`.
+//! Documentation that you build yourself shows the items of a feature only with that feature:
+//! `cargo doc --features plot,correlation`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -165,8 +174,9 @@
 /// | `invariant` | a list of first integrals, which the compiler must prove; `[name = \|q, p\| ...]` names them |
 /// | `crate` | the path of this crate, if you renamed it |
 ///
-/// Only `drift` and `embedding` are required. The struct implements [`Hamiltonian`](system::Hamiltonian), and [`Discretized<E>`](system::Discretized) for each
-/// scheme `E`, with its [`PLAN`](plan::Plan) and its `EQUATIONS`. The trait [`Integrate`](integrate::Integrate) of the prelude begins its runs.
+/// Only `drift` and `embedding` are required. The struct implements [`Hamiltonian`](system::Hamiltonian), and
+/// [`Discretized<E>`](system::Discretized) for each scheme `E`, with its [`PLAN`](plan::Plan) and its
+/// `EQUATIONS`. The trait [`Integrate`](integrate::Integrate) of the prelude begins its runs.
 ///
 /// # Example and phase spaces
 ///
@@ -275,8 +285,8 @@ pub mod __private {
 
     pub use crate::__bindings as bindings;
 
-    /// Stands for each binding of generated code until it is bound: a pattern may shadow a function, but not a
-    /// constant.
+    /// Stands for each binding of generated code until it is bound: a pattern may shadow a function, but not
+    /// a constant.
     pub fn binding() {}
 }
 

@@ -17,7 +17,7 @@ impl Identity {
         Self { settings: vec![("noise".to_owned(), kind.to_owned())] }
     }
 
-    /// Adds a setting, which is compared by its `Debug` text. That of a number is exact.
+    /// Adds a setting, which is compared by its `Debug` text. The text of a number is exact.
     pub fn with(mut self, name: &str, value: impl Debug) -> Self {
         self.settings.push((format!("noise {name}"), format!("{value:?}")));
         self
