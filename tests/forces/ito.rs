@@ -60,6 +60,42 @@ struct Sites {
     s: Vec<f64>,
 }
 
+/// Two noises of which neither correction is that of a Hamiltonian, but whose sum is constant: `c = (s²/2,
+/// 0)`, the field of `s² p/2`.
+#[hamiltonian(
+    drift = |q, p| 0.5 * (p * p + q * q),
+    noise = [|q, p| s * q * p, |q, p| s * (0.5 * (q * q + p * p) + q)],
+    calculus = Ito,
+    embedding = Midpoint,
+)]
+struct Together {
+    s: f64,
+}
+
+/// Two families of noises of sites, whose corrections cancel site by site.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| q.iter().zip(p).map(|(q, p)| 0.5 * (p * p + q * q)).sum::<f64>(),
+    noise = [[|q, p, k| 0.5 * s * (q[k] * q[k] + p[k] * p[k]); 3], [|q, p, k| s * q[k] * p[k]; 3]],
+    calculus = Ito,
+    embedding = Midpoint,
+)]
+struct Cancelling {
+    s: f64,
+}
+
+/// A wave of `q + p` beside a linear noise: the correction is the field of `s² b/2 cos(q + p)`, which is no
+/// `D/2`.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p,
+    noise = [|q, p| s * ((q + p).sin() + b * q)],
+    calculus = Ito,
+    embedding = Midpoint,
+)]
+struct Wave {
+    s: f64,
+    b: f64,
+}
+
 /// `y(1)` of `y' = rates(y)`, by the method of Runge and Kutta with 1000 steps: exact to rounding here.
 fn moments<const N: usize>(start: [f64; N], rates: impl Fn([f64; N]) -> [f64; N]) -> [f64; N] {
     let h = 1e-3;
@@ -115,6 +151,58 @@ fn moments_are_those_of_the_ito_equation() {
         [p, 0.0 * pp, 2.0 * qp + s * s, pp - s * s * k * q, s * s * k * k * qq]
     };
     has_moments("sheared", &Sheared { s, k }, [0.3, 0.5], moments([0.3, 0.5, 0.09, 0.15, 0.25], sheared));
+}
+
+/// Of noises whose corrections are Hamiltonian, zero or of the momenta alone in their sum.
+#[test]
+fn corrections_of_several_noises_are_added_before_they_are_judged() {
+    let s = 0.5;
+    let together = |[q, p, qq, qp, pp]: [f64; 5]| {
+        let square = s * s;
+        [
+            p,
+            -q,
+            2.0 * qp + square * (qq + pp),
+            pp - qq - square * (2.0 * qp + p),
+            -2.0 * qp + square * (pp + qq + 2.0 * q + 1.0),
+        ]
+    };
+    has_moments("together", &Together { s }, [0.3, 0.5], moments([0.3, 0.5, 0.09, 0.15, 0.25], together));
+    let state = State::new([2.0], [1.0]);
+    let energy = Together { s }.energy(&state);
+    assert!((energy - (2.5 + 0.5 * s * s)).abs() < 1e-15, "{energy}");
+    // Nothing is added.
+    let state = State::new(vec![0.3, -0.2, 0.5], vec![1.0, 0.4, -0.7]);
+    let exact: f64 = state.q.iter().zip(&state.p).map(|(q, p)| 0.5 * (p * p + q * q)).sum();
+    assert_eq!(Cancelling { s }.energy(&state), exact);
+    assert!(<Cancelling as Discretized<Midpoint>>::EQUATIONS.contains("nothing: both senses are the same"));
+}
+
+/// `c = -1/2 (X · ∇) X` by differences, against the field of what the conversion adds to the drift.
+#[test]
+fn waves_beside_linear_noises_have_a_hamiltonian_correction() {
+    let wave = Wave { s: 0.7, b: 1.3 };
+    let field = |[q, p]: [f64; 2]| {
+        let slope = (q + p).cos();
+        [wave.s * slope, -wave.s * (slope + wave.b)]
+    };
+    let added = |[q, p]: [f64; 2]| wave.energy(&State::new([q], [p])) - 0.5 * p * p;
+    let d = 1e-5;
+    for z in [[0.3, -0.4], [1.1, 0.8], [-2.0, 0.5]] {
+        let x = field(z);
+        let moved = |sign: f64| field([z[0] + sign * d * x[0], z[1] + sign * d * x[1]]);
+        let c = [0, 1].map(|i| -0.5 * (moved(1.0)[i] - moved(-1.0)[i]) / (2.0 * d));
+        let slope = |half: usize| {
+            let at = |sign: f64| {
+                let mut moved = z;
+                moved[half] += sign * d;
+                added(moved)
+            };
+            (at(1.0) - at(-1.0)) / (2.0 * d)
+        };
+        // Both differences are exact to d² and rounding over d.
+        assert!((slope(1) - c[0]).abs() < 1e-9 && (slope(0) + c[1]).abs() < 1e-9, "{z:?}: {c:?}");
+    }
 }
 
 /// The converted system is the one written by hand, to the rounding of a force written in another order.

@@ -135,7 +135,7 @@ impl Space {
     }
 
     /// The variable of a slot.
-    fn symbol(&mut self, graph: &mut Graph, slot: &Slot) -> Symbol {
+    pub(crate) fn symbol(&mut self, graph: &mut Graph, slot: &Slot) -> Symbol {
         if let Some(&known) = self.symbols.get(slot) {
             return known;
         }
@@ -151,7 +151,7 @@ impl Space {
     }
 
     /// An element with the locals that its value reads.
-    fn element(&self, graph: &Graph, loops: Vec<Loop>, value: Expr) -> Element {
+    pub(crate) fn element(&self, graph: &Graph, loops: Vec<Loop>, value: Expr) -> Element {
         let symbols = graph.symbols_in(value).into_iter();
         let mut locals: Vec<Local> = symbols
             .filter_map(|symbol| Some(Local { symbol, slot: self.slots.get(&symbol)?.clone() }))
