@@ -80,18 +80,26 @@ impl Special {
     pub(super) fn inverse_at_zero(self) -> Option<i64> {
         match self {
             Self::Erf => None,
-            _ => (1..=self.order()).try_fold(1_i64, |all, k| all.checked_mul(self.twice(k).into())),
+            Self::Erfc | Self::Sinc(_) | Self::Bessel(_) => {
+                (1..=self.order()).try_fold(1_i64, |all, k| all.checked_mul(self.twice(k).into()))
+            }
         }
     }
 
     /// Whether `f(x) > 0` for all `x`.
     pub(super) fn is_positive(self) -> bool {
-        self == Self::Erfc
+        match self {
+            Self::Erfc => true,
+            Self::Erf | Self::Sinc(_) | Self::Bessel(_) => false,
+        }
     }
 
     /// Whether `|f(x)| <= 1` for all `x`.
     pub(super) fn is_within_one(self) -> bool {
-        self != Self::Erfc
+        match self {
+            Self::Erf | Self::Sinc(_) | Self::Bessel(_) => true,
+            Self::Erfc => false,
+        }
     }
 
     /// `f'(x)`
