@@ -159,9 +159,11 @@ fn thermostat(embedding: &Embedding, has_force: bool, temperature: Option<&Tempe
     };
     let driven = "the increments of the noises, then √h times the normals ξ of each part with friction";
     let diffusion = diffusion(embedding);
-    format!(
-        "\nStep\n{step}{factor}{order}  driven by {driven}\n{equilibrium}  a free particle diffuses with {diffusion}\n"
-    )
+    let end = match equilibrium {
+        "" => format!("  a free particle diffuses with {diffusion}\n"),
+        none => none.to_owned(),
+    };
+    format!("\nStep\n{step}{factor}{order}  driven by {driven}\n{end}")
 }
 
 /// How fast a free particle diffuses in these steps.

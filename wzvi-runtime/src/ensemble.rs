@@ -135,6 +135,8 @@ struct Extras {
     most_crossings: u64,
     /// Whether work and heat are observed.
     has_work: bool,
+    /// Whether `exp(-work/kT)` is.
+    has_weight: bool,
     /// Statistics of the user's own.
     added: Vec<Box<dyn AnyStatistic>>,
 }
@@ -307,12 +309,25 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
 
     /// Observes `work`, `shadow work` and `heat` of each path since its start, in units of energy, as
     /// [`Trajectory::work`](crate::path::trajectory::Trajectory::work), its shadow part, and
-    /// [`Trajectory::heat`](crate::path::trajectory::Trajectory::heat) do for a single path. It is for systems with a bath, forces or
-    /// friction. Each path is then stepped by itself, which takes the time of single paths; where the system has elementary functions, the last
-    /// bits of paths may differ from those without it. It excludes `retry` and times between nodes.
+    /// [`Trajectory::heat`](crate::path::trajectory::Trajectory::heat) do for a single path. It is for
+    /// systems with a bath, forces or friction. Where the temperatures of the degrees of freedom differ, it
+    /// also observes the heat of each, `heat 0`, `heat 1`, ... Each path is then stepped by itself, which
+    /// takes the time of single paths; where the system has elementary functions, the last bits of paths may
+    /// differ from those without it. It excludes `retry` and times between nodes.
     pub fn observe_work(mut self) -> Self {
         self.setup.more.wanted.has_work = true;
         self
+    }
+
+    /// Observes what [`observe_work`](Ensemble::observe_work) does, and `exp(-work/kT)`. By Jarzynski's
+    /// equality its mean is `e^{-ΔF/kT}`, with `ΔF` the change of the free energy, for paths that start in
+    /// equilibrium. It holds at every step size (C. Jarzynski, Phys. Rev. Lett. 78, 1997).
+    ///
+    /// The run is [`ConfigError::NoEquilibrium`](crate::error::ConfigError::NoEquilibrium) unless the system
+    /// has a bath at one constant temperature.
+    pub fn observe_jarzynski(mut self) -> Self {
+        self.setup.more.wanted.has_weight = true;
+        self.observe_work()
     }
 
     /// Computes quantiles of every observable at every recorded time, to a relative error of [`Quantiles::RELATIVE_ERROR`].

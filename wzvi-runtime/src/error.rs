@@ -152,6 +152,15 @@ pub enum ConfigError {
         /// What is wrong.
         cause: Box<ConfigError>,
     },
+    /// Something was asked for that needs a bath at one constant temperature.
+    NoEquilibrium {
+        /// What was asked for, as it is written.
+        asked: &'static str,
+        /// Why there is no such temperature.
+        why: &'static str,
+        /// What there is.
+        instead: &'static str,
+    },
     /// A setting of a noise or a builder is invalid; the message says what to do.
     Setting(String),
 }
@@ -177,6 +186,8 @@ messages! { ConfigError:
     Self::Start(cause) => "the start is not usable: {cause}";
     Self::PathSystem { path, cause } => "the system of path {path} is not usable: {cause}";
     Self::PathStart { path, cause } => "the start of path {path} is not usable: {cause}";
+    Self::NoEquilibrium { asked, why, instead } =>
+        "`{asked}` needs one constant temperature of a heat bath, but {why}: {instead}";
     Self::Setting(what) => "{}", what;
 }
 

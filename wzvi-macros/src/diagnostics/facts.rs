@@ -34,7 +34,7 @@ messages! {
     thermostat_without_friction(found, scheme: &impl Display) = "`{scheme}` is for systems with friction: add \
         `friction = ...` (1/time) and `temperature = ...` (energy)";
     temperatures_of_coupled_momenta(found) = "temperatures that differ need a friction and masses that do not couple \
-        momenta: write `friction = [...]` with one rate (1/time) for each degree of freedom instead of `damping`, and a kinetic \
+        momenta: write a diagonal `damping` (mass/time) or one rate of `friction` (1/time) for each degree of freedom, and a kinetic \
         energy without products of different momenta";
     temperature_without_friction(found) = "a temperature acts through friction: add `friction = ...` (1/time) or \
         `damping = [[...]]` (mass/time)";

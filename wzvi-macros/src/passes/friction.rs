@@ -8,8 +8,8 @@
 
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::{Calculus, Increments, Kinetic, Space, Weighted, unweighted};
-use crate::model::{Element, Friction, Half, Local, Slot, System, Temperature, Term};
-use crate::symbolic::{Expr, Rational};
+use crate::model::{Element, Friction, Half, Local, Slot, System, Term};
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// Checks friction, temperature and the requirements of thermostats. Without a thermostat, friction then becomes a force, or the rate of
 /// [`System::conformal`].
@@ -54,11 +54,12 @@ fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics
         }
         Some(_) => {}
     }
-    let is_diagonal = !friction.is_matrix && Kinetic::of(system).is_none_or(|kinetic| kinetic.is_diagonal);
-    if let Some(Temperature { term, is_list: true, .. }) = &system.temperature
-        && !is_diagonal
+    if let Some(extent) =
+        system.temperature.as_ref().filter(|known| known.is_list).map(|known| known.term.extent)
+        && (Kinetic::of(system).is_some_and(|kinetic| !kinetic.is_diagonal)
+            || (friction.is_matrix && couples(system, &friction.term)))
     {
-        diagnostics.report(messages::temperatures_of_coupled_momenta(term.extent));
+        diagnostics.report(messages::temperatures_of_coupled_momenta(extent));
     }
     if friction.is_matrix {
         match symmetry(system, &friction.term) {
@@ -69,6 +70,29 @@ fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics
             Symmetry::Refuted => diagnostics.report(messages::asymmetric_damping(extent)),
         }
     }
+}
+
+/// Whether a matrix has an entry beside its diagonal that is not zero. Entries of lists are compared with
+/// zero in steps.
+fn couples(system: &mut System, matrix: &Term) -> bool {
+    let graph = &mut system.graph;
+    matrix.elements.iter().filter(|element| element.loops.is_empty()).any(|element| {
+        let places =
+            element.displacements().flat_map(|row| element.momenta().map(move |column| (row, column)));
+        let beside: Vec<(Symbol, Symbol)> =
+            places.filter(|((_, i), (_, j))| i != j).map(|((row, _), (column, _))| (row, column)).collect();
+        beside.into_iter().any(|(row, column)| {
+            let entry = graph.derivative(element.value, row);
+            let entry = graph.derivative(entry, column);
+            !graph.is_zero(entry) && !reads_lists(graph, element, entry)
+        })
+    })
+}
+
+/// Whether an entry reads fields that are lists.
+fn reads_lists(graph: &Graph, element: &Element, entry: Expr) -> bool {
+    let is_of_list = |local: &&Local| matches!(local.slot, Slot::Entry(..));
+    element.locals.iter().filter(is_of_list).any(|local| graph.depends_on(entry, &[local.symbol]))
 }
 
 /// The symmetry of a matrix, as far as it is known.
@@ -89,9 +113,7 @@ fn symmetry(system: &mut System, matrix: &Term) -> Symmetry {
             for (momentum, j) in element.momenta() {
                 let entry = graph.derivative(row, momentum);
                 if !graph.is_zero(entry) {
-                    let is_of_field = |local: &&Local| matches!(local.slot, Slot::Entry(..));
-                    let mut fields = element.locals.iter().filter(is_of_field);
-                    let reads_fields = fields.any(|local| graph.depends_on(entry, &[local.symbol]));
+                    let reads_fields = reads_lists(graph, element, entry);
                     entries.push((i.clone(), j.clone(), entry, reads_fields));
                 }
             }

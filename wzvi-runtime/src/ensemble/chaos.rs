@@ -190,8 +190,16 @@ const STARTS: &str = "a start: add `.start(...)`, `.starts_from(...)` or `.start
 /// [`ConfigError::Setting`] for settings that have no meaning for indicators.
 fn refuse_unused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Result<(), ConfigError> {
     let more = &setup.more;
-    let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work, added } =
-        &more.wanted;
+    let Extras {
+        quantiles,
+        covariances,
+        histograms,
+        most_bytes,
+        most_crossings,
+        has_work,
+        has_weight: _,
+        added,
+    } = &more.wanted;
     let unused = [
         ("`observe`", !setup.observables.is_empty() || !more.own.is_empty()),
         ("`section`", !setup.sections.is_empty()),

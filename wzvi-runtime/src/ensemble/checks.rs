@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::job::{Job, Stop};
+use super::job::{Job, OwnWork, Stop};
 use super::source::Source;
 use super::starts::{self, ByPath, Drawn, STARTS, SYSTEMS};
 use super::{Ensemble, Extras};
@@ -17,7 +17,7 @@ use crate::path::choice::SOME;
 use crate::path::options::{Observables, elsewhere};
 use crate::path::span::{Grid, ONE_START};
 use crate::scheme::poles;
-use crate::scheme::system::{Discretized, Scheme as _, SchemeOf};
+use crate::scheme::system::{Discretized, Scheme as _, SchemeOf, disequilibrium};
 use crate::statistics::{Crossings, Histogram, Nodes, Passage, Passages, Paths, Statistics, StatisticsNode};
 
 /// More recorded nodes than anyone looks at.
@@ -127,11 +127,18 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             let name = free("energy", observables.0.iter().map(|(known, _)| known.as_str()));
             observables.push(name, elsewhere);
         }
-        let own_work = more.wanted.has_work.then(|| observables.len());
-        if own_work.is_some() {
+        let mut own_work = None;
+        if more.wanted.has_work {
+            let (has_weight, first) = (more.wanted.has_weight, observables.len());
             let is_between = recorded.iter().any(|recorded| recorded.is_inside);
             check_work::<H, E>(setup.retry.most() > 0 || is_between)?;
-            WORK.into_iter().for_each(|name| observables.push(name.into(), elsewhere));
+            if has_weight {
+                let common = systems.is_empty().then_some(system);
+                systems.iter().chain(common).try_for_each(check_weight::<H, E>)?;
+            }
+            let heats = if H::PROPERTIES.has_temperatures { start.q.components().len() } else { 0 };
+            OwnWork::names(heats, has_weight).into_iter().for_each(|name| observables.push(name, elsewhere));
+            own_work = Some(OwnWork { places: first..observables.len(), has_weight });
         }
         let (names, observables) = observables.checked("observables")?;
         let (event_names, events) = more.events.checked("events")?;
@@ -189,9 +196,6 @@ fn all_gather<H: Discretized<E>, E>(systems: &[H], h: f64) -> bool {
     prepared.all(|other| SchemeOf::<H, E>::gather([&first, &other]).is_some())
 }
 
-/// What [`Ensemble::observe_work`] observes, in this order.
-const WORK: [&str; 3] = ["work", "shadow work", "heat"];
-
 /// Whether there is work to observe, in a run that may halve its steps or look between its nodes.
 fn check_work<H: Discretized<E>, E>(is_uneven: bool) -> Result<(), ConfigError> {
     wrong(if !(H::KIND.is_forced || H::KIND.is_conformal || H::PROPERTIES.exchanges) {
@@ -201,6 +205,19 @@ fn check_work<H: Discretized<E>, E>(is_uneven: bool) -> Result<(), ConfigError> 
     } else {
         return Ok(());
     })
+}
+
+/// Whether Jarzynski's equality holds for the work on paths of this system.
+fn check_weight<H: Discretized<E>, E>(system: &H) -> Result<(), ConfigError> {
+    let refused = |why, instead| Err(ConfigError::NoEquilibrium { asked: "observe_jarzynski", why, instead });
+    match (SchemeOf::<H, E>::temperature(system), disequilibrium(&H::PLAN, &H::PROPERTIES)) {
+        (Some(kt), _) if kt > 0.0 => Ok(()),
+        (Some(_), _) => refused("its temperature is 0", "`observe_work` has the work and the heat"),
+        (None, Some(why)) => refused(why, "`observe_work` has the work and the heat of each bath"),
+        (None, None) => {
+            refused("the system has no temperature", "add `friction = ...` and `temperature = ...`")
+        }
+    }
 }
 
 impl Extras {

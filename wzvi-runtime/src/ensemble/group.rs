@@ -23,7 +23,7 @@ use crate::error::{ConfigError, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::path::Error;
 use crate::path::retry::Subdivision;
-use crate::path::step::{Stepper, checks_starts};
+use crate::path::step::{Exchanged, Stepper, checks_starts};
 use crate::path::watch::{Room, Watch, keeps_energy};
 use crate::scheme::continuation::Hard;
 use crate::scheme::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, explained};
@@ -165,7 +165,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             self.make_steppers()?;
         }
         for stepper in &mut self.steppers {
-            stepper.set_exchanged(Exchange::default());
+            stepper.set_exchanged(Exchanged::default());
         }
         self.watch_from_start();
         self.coarse.as_mut().map_or(Ok(()), |coarse| coarse.group.begin(path, end))
@@ -220,7 +220,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         let missing = || InternalError::new("a shorter step is prepared", size);
         self.begin_anew(step, size, job.shorter.as_ref().ok_or_else(missing)?)?;
         if self.is_stepped() {
-            let exchanged: Vec<Exchange> = self.steppers.iter().map(Stepper::exchanged).collect();
+            let exchanged: Vec<Exchanged> =
+                self.steppers.iter().map(|stepper| stepper.account().clone()).collect();
             self.make_steppers()?;
             let steppers = self.steppers.iter_mut().zip(exchanged);
             steppers.for_each(|(stepper, exchanged)| stepper.set_exchanged(exchanged));
@@ -231,19 +232,39 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         Ok(self.increments.draw_last(&job.source, &interval, size, |lane| counts[lane] && !failed[lane])?)
     }
 
-    /// Work, shadow work and heat of a lane, up to a node that all have reached.
+    /// Writes what [`Ensemble::observe_work`](super::Ensemble::observe_work) observes of a lane, up to a node
+    /// that all have reached, in the order of [`OwnWork::names`].
     ///
     /// # Errors
-    /// The error of a start that is none; [`InternalError`] if the lane has no stepper, which accounts for the heat.
-    pub(super) fn work_of(&mut self, lane: usize, node: u64) -> Result<[f64; 3], Error> {
+    /// The error of a start that is none; [`InternalError`] if the lane has no stepper, which accounts for
+    /// the heat, or no temperature.
+    pub(super) fn work_of(
+        &mut self,
+        lane: usize,
+        node: u64,
+        has_weight: bool,
+        into: &mut [f64],
+    ) -> Result<(), Error> {
         let path = self.source_of(lane);
         let (system, start) = (self.job.system_of(path), self.job.start_of(path)?);
         let gained = system.energy(self.state_at(lane, node)) - system.energy(&start);
         let missing = || InternalError::new("paths whose work is observed have steppers", lane);
         let stepper = self.steppers.get(lane).ok_or_else(missing)?;
-        let Exchange { work: accounted, heat } = stepper.exchanged();
+        let Exchanged { all: Exchange { work: accounted, heat }, by_degree } = stepper.account();
         let work = gained - heat;
-        Ok([work, work - accounted, heat])
+        let weight = match has_weight {
+            true => {
+                let missing = || InternalError::new("the weight of work has a temperature", lane);
+                Some((-work / SchemeOf::<H, E>::temperature(system).ok_or_else(missing)?).exp())
+            }
+            false => None,
+        };
+        // Before the first step there is no heat.
+        into.fill(0.0);
+        let all = [work, work - accounted, *heat];
+        let values = all.into_iter().chain(by_degree.iter().copied()).chain(weight);
+        into.iter_mut().zip(values).for_each(|(into, value)| *into = value);
+        Ok(())
     }
 
     /// # Errors

@@ -37,8 +37,8 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) all_gather: bool,
     /// The observables that read the system of a path, by number.
     pub(super) own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
-    /// The first of the observables `work`, `shadow work` and `heat` of a path.
-    pub(super) own_work: Option<usize>,
+    /// The observables of the work of a path.
+    pub(super) own_work: Option<OwnWork>,
     pub(super) seed: u64,
     pub(super) grid: Grid,
     pub(super) paths: u64,
@@ -56,6 +56,24 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     /// What is to be found out, of no path yet.
     pub(super) empty: Statistics,
     pub(super) stop: Stop<'a>,
+}
+
+/// What is observed of the work of each path.
+#[derive(Clone, Debug)]
+pub(super) struct OwnWork {
+    /// Among the observables.
+    pub(super) places: Range<usize>,
+    /// Whether `exp(-work/kT)` is the last of them.
+    pub(super) has_weight: bool,
+}
+
+impl OwnWork {
+    /// The names: work, shadow work and heat; the heats of so many degrees of freedom; the weight.
+    pub(super) fn names(heats: usize, has_weight: bool) -> Vec<String> {
+        let all = ["work", "shadow work", "heat"].map(String::from).into_iter();
+        let weight = has_weight.then(|| "exp(-work/kT)".into());
+        all.chain((0..heats).map(|i| format!("heat {i}"))).chain(weight).collect()
+    }
 }
 
 /// Sees paths, by their numbers, at recorded nodes.

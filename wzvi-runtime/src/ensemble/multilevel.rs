@@ -258,7 +258,16 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
         more,
     } = setup;
     let Many { starts, systems, paths: _, source, settings, own, events, wanted, inspector, control } = more;
-    let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work, added } = wanted;
+    let Extras {
+        quantiles,
+        covariances,
+        histograms,
+        most_bytes,
+        most_crossings,
+        has_work,
+        has_weight: _,
+        added,
+    } = wanted;
     let (Settings { is_antithetic, truncation: _ }, Control { targets, losses }) = (settings, control);
     let Request { every, times } = recorded;
     let refused = [

@@ -1,7 +1,7 @@
 //! What paths beside each other show at the nodes of a run: observables, events, and what became of each.
 
 use super::group::Group;
-use super::job::Job;
+use super::job::{Job, OwnWork};
 use super::pace::Pace;
 use super::starts::Systems;
 use crate::algebra::state::{State, Vector, copy_state};
@@ -230,9 +230,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 see(path, state);
             }
             job.observe(path, state, &mut self.values);
-            if let Some(first) = job.own_work {
-                let own = group.work_of(lane, node)?;
-                self.values[first..first + own.len()].copy_from_slice(&own);
+            if let Some(OwnWork { places, has_weight }) = &job.own_work {
+                group.work_of(lane, node, *has_weight, &mut self.values[places.clone()])?;
             }
             self.statistics.see(path, &Seen::Values { node: place, values: &self.values });
         }

@@ -2,7 +2,7 @@
 
 use super::job::Job;
 use crate::ground::names::short_name;
-use crate::scheme::system::Discretized;
+use crate::scheme::system::{Discretized, disequilibrium};
 use crate::statistics::Origin;
 
 impl Origin {
@@ -23,6 +23,7 @@ impl Origin {
             varying,
             system: short_name::<H>(),
             scheme: short_name::<E>(),
+            no_equilibrium: disequilibrium(&H::PLAN, &H::PROPERTIES),
             h: job.h,
             start: job.start.t,
             steps: job.steps,

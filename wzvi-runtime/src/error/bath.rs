@@ -24,6 +24,11 @@ pub enum BathError {
         /// Row and column, from 0, of an entry that differs from the one across the diagonal.
         entry: [usize; 2],
     },
+    /// The temperatures of the degrees of freedom differ, but the friction matrix is not diagonal.
+    Coupled {
+        /// Row and column, from 0, of an entry beside the diagonal that is not zero.
+        entry: [usize; 2],
+    },
     /// The mass of a degree of freedom with friction is not positive.
     Mass {
         /// Its index, from 0.
@@ -51,6 +56,9 @@ messages! { BathError:
         "the friction has the rate {}; it must be finite and not negative", Brief(*rate);
     Self::Asymmetric { entry: [i, j] } =>
         "the damping matrix is not symmetric at row {i}, column {j} (from 0)";
+    Self::Coupled { entry: [i, j] } =>
+        "the temperatures of the degrees of freedom differ, but the damping matrix couples two of them, at row {i}, column {j} (from 0); \
+         take a diagonal matrix, or one temperature";
     Self::Mass { degree, inverse } =>
         "degree of freedom {degree} (from 0) has friction, but its inverse mass is {}; it must be positive",
         Brief(*inverse);
@@ -75,6 +83,7 @@ impl BathError {
             Self::Masses => [4, 0, 0],
             Self::Backwards { h } => [5, h.to_bits(), 0],
             Self::Rates => [6, 0, 0],
+            Self::Coupled { entry: [i, j] } => [7, i as u64, j as u64],
         }
     }
 
@@ -88,6 +97,7 @@ impl BathError {
             4 => Self::Masses,
             5 => Self::Backwards { h: x },
             6 => Self::Rates,
+            7 => Self::Coupled { entry: [usize::try_from(a).ok()?, usize::try_from(b).ok()?] },
             _ => {
                 let degree = which.checked_sub(DEGREES).filter(|degree| *degree < MOST_DEGREES)?;
                 let degree = usize::try_from(degree).ok()?;

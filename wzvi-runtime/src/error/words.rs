@@ -114,6 +114,7 @@ mod tests {
             StepFailure::Bath(BathError::Temperature { temperature: -1.0, degree: Some(7), t: Some(0.3) }),
             StepFailure::Bath(BathError::Friction { rate: f64::INFINITY }),
             StepFailure::Bath(BathError::Asymmetric { entry: [1, usize::MAX] }),
+            StepFailure::Bath(BathError::Coupled { entry: [0, 2] }),
             StepFailure::Bath(BathError::Mass { degree: 3, inverse: -0.5 }),
             StepFailure::Bath(BathError::Masses),
             StepFailure::Bath(BathError::Backwards { h: -0.1 }),
@@ -133,7 +134,8 @@ mod tests {
             }
         }
         for nonsense in [
-            [BATH + 7, 0, 0],
+            // Of a degree of freedom that no state has.
+            [BATH + (1 << 50), 0, 0],
             [u64::MAX, 0, 0],
             [INTERNAL, StepPromise::ALL.len() as u64, 0],
             [0, 1 << 32, 0],

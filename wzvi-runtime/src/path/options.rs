@@ -250,12 +250,15 @@ macro_rules! options {
         }
     };
     (@ temperatures) => {
-        /// Observes `kinetic temperature`, `p · ∂H/∂p / d`, and `configurational temperature`, `q · ∂H/∂q / d`, in units of energy, with the
-        /// Hamiltonian of the path. Under the Gibbs measure their averages are the temperature, the second one if the system is confined.
-        pub fn observe_temperatures(self) -> Self
+        /// Observes `kinetic temperature`, `p · ∂H/∂p / d`, and `configurational temperature`, `q · ∂H/∂q /
+        /// d`, in units of energy, with the Hamiltonian of the path. Under the Gibbs measure their averages
+        /// are the temperature, the second one if the system is confined. Where the temperatures of the
+        /// degrees of freedom differ, the run is an error: there is no one temperature.
+        pub fn observe_temperatures(mut self) -> Self
         where
             H: Sync,
         {
+            self.setup.span.asks_one_temperature = true;
             self.observe_own("kinetic temperature", crate::path::series::kinetic)
                 .observe_own("configurational temperature", crate::path::series::configurational)
         }

@@ -152,7 +152,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     /// Goes on with steps of this size: that of the run, or of a last step that is shorter.
     pub(crate) fn resize(&mut self, size: f64) -> Result<(), ConfigError> {
         if size != self.size {
-            let (exchanged, base) = (self.stepper.exchanged(), self.base());
+            let (exchanged, base) = (self.stepper.account().clone(), self.base());
             (self.stepper, self.way, self.size) = (self.stepper(part_of(size, base))?, Way::Last(base), size);
             self.stepper.set_exchanged(exchanged);
         }
@@ -202,7 +202,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let (mut level, size) = (from, self.size);
         let mut coarse: Option<State<H::Vector>> = None;
         loop {
-            let (mut end, before) = (state.clone(), self.stepper.exchanged());
+            let (mut end, before) = (state.clone(), self.stepper.account().clone());
             let step = Step { state: &mut end, interval, noise: &mut *noise, dw: &mut *dw };
             let is_own = self.way == Way::Halved(level) || self.way == Way::Last(level);
             let outcome = if is_own {
@@ -212,11 +212,11 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
                 take_parts(stepper, step, size, level, part, |stepper, step| watched(stepper, watch, step))
             } else {
                 let mut finer = self.stepper(part_of(size, level))?;
-                finer.set_exchanged(before);
+                finer.set_exchanged(before.clone());
                 let room = &mut self.part;
                 let outcome =
                     take_parts(&mut finer, step, size, level, room, |stepper, step| stepper.take_step(step));
-                self.stepper.set_exchanged(finer.exchanged());
+                self.stepper.set_exchanged(finer.account().clone());
                 outcome
             };
             let error = match outcome {

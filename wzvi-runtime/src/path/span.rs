@@ -10,7 +10,7 @@ use crate::path::Error;
 use crate::path::choice::Choice;
 use crate::path::retry::Retry;
 use crate::scheme::plan::Plan;
-use crate::scheme::system::{Discretized, Hamiltonian, fits};
+use crate::scheme::system::{Discretized, Hamiltonian, disequilibrium, fits};
 
 /// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
 pub(crate) const MOST_STEPS: u64 = 1 << 53;
@@ -31,11 +31,19 @@ pub(crate) struct Span<V> {
     pub(crate) is_whole: bool,
     /// Whether something was asked of each degree of freedom before their number was known.
     pub(crate) was_asked_early: bool,
+    /// Whether one temperature of all degrees of freedom was asked for.
+    pub(crate) asks_one_temperature: bool,
 }
 
 impl<V> Default for Span<V> {
     fn default() -> Self {
-        Self { start: Choice::default(), end: Choice::default(), is_whole: false, was_asked_early: false }
+        Self {
+            start: Choice::default(),
+            end: Choice::default(),
+            is_whole: false,
+            was_asked_early: false,
+            asks_one_temperature: false,
+        }
     }
 }
 
@@ -188,6 +196,13 @@ impl<V: Vector> Span<V> {
     ) -> Result<(State<V>, Grid), ConfigError> {
         if self.was_asked_early {
             return Err(ConfigError::Missing(SIZE));
+        }
+        if self.asks_one_temperature
+            && H::PROPERTIES.has_temperatures
+            && let Some(why) = disequilibrium(&H::PLAN, &H::PROPERTIES)
+        {
+            let (asked, instead) = ("observe_temperatures", "`observe_equipartition` has one for each");
+            return Err(ConfigError::NoEquilibrium { asked, why, instead });
         }
         let start = checked(system, self.start.checked(ONE_START)?)?;
         let end = self.end.checked("a run has one end")?;

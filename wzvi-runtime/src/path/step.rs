@@ -59,12 +59,36 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
     /// `q` and `p` after the last step.
     reached: [H::Vector; 2],
     /// What all steps exchanged.
-    exchanged: Exchange,
+    exchanged: Exchanged,
     /// Whether nobody asks for that.
     is_unaccounted: bool,
     /// Where a system's steps exchange more than their scheme accounts for; made by the first of them.
     ledger: Option<Box<Ledger<H::Vector>>>,
     scheme: PhantomData<E>,
+}
+
+/// The energy that steps exchanged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Exchanged {
+    /// By all degrees of freedom.
+    pub(crate) all: Exchange,
+    /// The heat of each degree of freedom, where they have temperatures of their own; else empty.
+    pub(crate) by_degree: Vec<f64>,
+}
+
+impl Exchanged {
+    /// Nothing so far, of so many degrees of freedom with temperatures of their own.
+    fn of(degrees: usize) -> Self {
+        Self { all: Exchange::default(), by_degree: vec![0.0; degrees] }
+    }
+
+    /// Adds the heats of a step. The first one makes the list where the system does not know its size.
+    fn add_heats(&mut self, of_step: &[f64]) {
+        if self.by_degree.len() != of_step.len() {
+            self.by_degree.resize(of_step.len(), 0.0);
+        }
+        self.by_degree.iter_mut().zip(of_step).for_each(|(sum, heat)| *sum += heat);
+    }
 }
 
 /// Time as `t_0 + n h`, restarted whenever the caller's state is at another time.
@@ -129,7 +153,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             before: 0,
             clock: Clock::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
-            exchanged: Exchange::default(),
+            exchanged: Exchanged::of(if H::PROPERTIES.has_temperatures { d } else { 0 }),
             is_unaccounted: false,
             ledger: None,
             scheme: PhantomData,
@@ -235,11 +259,22 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// The [work](crate::path::trajectory::Trajectory::work) and the [heat](crate::path::trajectory::Trajectory::heat) of its successful
     /// steps so far, in units of energy. The energy changes by both and by the error of the scheme.
     pub fn exchanged(&self) -> Exchange {
-        self.exchanged
+        self.exchanged.all
+    }
+
+    /// The heat that each degree of freedom took from its bath in the successful steps so far: as
+    /// [`Trajectory::heat_by_degree`](crate::path::trajectory::Trajectory::heat_by_degree).
+    pub fn heat_by_degree(&self) -> &[f64] {
+        &self.exchanged.by_degree
+    }
+
+    /// What its successful steps exchanged so far.
+    pub(crate) fn account(&self) -> &Exchanged {
+        &self.exchanged
     }
 
     /// Accounts for what other steps exchanged, too.
-    pub(crate) fn set_exchanged(&mut self, exchanged: Exchange) {
+    pub(crate) fn set_exchanged(&mut self, exchanged: Exchanged) {
         self.exchanged = exchanged;
     }
 
@@ -318,7 +353,10 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.clock = at;
         state.t = at.now;
         if H::PROPERTIES.exchanges && !self.is_unaccounted {
-            self.exchanged += SchemeOf::<H, E>::exchanged(self.system, &self.memory);
+            self.exchanged.all += SchemeOf::<H, E>::exchanged(self.system, &self.memory);
+            if H::PROPERTIES.has_temperatures {
+                self.exchanged.add_heats(SchemeOf::<H, E>::heats(&self.memory));
+            }
         }
         if Self::MAY_EXCHANGE {
             self.settle(state, dw);
@@ -351,7 +389,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             let Ledger { before, dense, .. } = &mut *ledger;
             self.fill([before, state], dw, dense);
         }
-        self.exchanged += ledger.exchanged::<H, E>(self.system, state, self.h, dw);
+        self.exchanged.all += ledger.exchanged::<H, E>(self.system, state, self.h, dw);
         self.ledger = Some(ledger);
     }
 

@@ -17,7 +17,7 @@ use crate::ground::calculus::{Function, Interior, Nodes, TimeScale};
 use crate::ground::variables::Variables;
 use crate::path::options::Observable;
 use crate::path::section::Crossing;
-use crate::path::step::StepInfo;
+use crate::path::step::{Exchanged, StepInfo};
 use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment, fits};
 pub use at::States;
@@ -97,6 +97,9 @@ struct Path<V> {
     crossings: Vec<Crossing<V>>,
     #[cfg_attr(feature = "serde", serde(default))]
     exchanged: Exchange,
+    /// The heat of each degree of freedom, where they have temperatures of their own.
+    #[cfg_attr(feature = "serde", serde(default))]
+    heats: Vec<f64>,
     /// Whether that is all that was exchanged, but for what the scheme does.
     #[cfg_attr(feature = "serde", serde(default))]
     is_accounted: bool,
@@ -175,18 +178,26 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.path.exchanged.heat
     }
 
+    /// The same by degree of freedom, where the temperatures of the degrees of freedom differ: what each took
+    /// from its own bath, negative where it gave heat. They add up to [`heat`](Trajectory::heat) to rounding.
+    /// Empty where all have one bath, at one temperature.
+    pub fn heat_by_degree(&self) -> &[f64] {
+        &self.path.heats
+    }
+
     /// With the account of a run of this system.
     pub(crate) fn accounted<H: Discretized<E, Vector = V>>(
         mut self,
         system: &H,
         start: &State<V>,
-        exchanged: Exchange,
+        exchanged: &Exchanged,
     ) -> Self {
         let is_accounted = H::KIND.is_forced || H::KIND.is_conformal || H::PROPERTIES.exchanges;
         let gained = (is_accounted || H::KIND.reads_time)
             .then(|| system.energy(&self.path.last) - system.energy(start));
         let path = &mut self.path;
-        (path.exchanged, path.is_accounted, path.gained) = (exchanged, is_accounted, gained);
+        (path.exchanged, path.is_accounted, path.gained) = (exchanged.all, is_accounted, gained);
+        path.heats.clone_from(&exchanged.by_degree);
         self
     }
 

@@ -170,9 +170,11 @@ impl Friction {
         }
     }
 
-    /// Whether friction and masses are lists by degree of freedom.
+    /// Whether friction acts on each momentum separately: it and the masses are lists by degree of freedom.
+    /// Where degrees of freedom have temperatures of their own, a friction matrix is diagonal, which is
+    /// checked.
     const fn is_list(self) -> bool {
-        !self.is_matrix && self.has_diagonal_masses
+        (!self.is_matrix || self.has_temperatures) && self.has_diagonal_masses
     }
 
     /// `Γ` by rows, or the rates `(Γ M⁻¹)_ii`, one per degree of freedom. NaN for lists that do not fit.

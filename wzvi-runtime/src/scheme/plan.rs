@@ -230,7 +230,11 @@ impl fmt::Display for Plan {
             Knowledge::Refuted => "; the energy of the system changes",
             Knowledge::Unknown => "; whether the system keeps its energy is not known",
         })?;
-        f.write_str(if self.is_out_of_equilibrium { "; no equilibrium: its temperatures differ" } else { "" })
+        f.write_str(if self.is_out_of_equilibrium {
+            "; no equilibrium: its temperatures differ or change"
+        } else {
+            ""
+        })
     }
 }
 

@@ -19,10 +19,10 @@ use crate::scheme::plan::Plan;
 
 pub use own::{OneStep, Own, Scratch, StepField};
 pub use scheme::varied;
-pub(crate) use scheme::varied_without_lists;
 pub use scheme::{
     At, CarryOf, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, as_they_are,
 };
+pub(crate) use scheme::{disequilibrium, varied_without_lists};
 pub use straight::{Solution, Straight, StraightLine, array_mut, covector, gradient, increments};
 
 /// A partial derivative with respect to the coordinates and one with respect to the momenta.

@@ -6,6 +6,8 @@ pub(crate) struct Origin {
     pub(crate) system: String,
     pub(crate) scheme: String,
     pub(crate) h: f64,
+    /// Why the system has no equilibrium, if it has none.
+    pub(crate) no_equilibrium: Option<&'static str>,
     /// Time of the first state.
     pub(crate) start: f64,
     pub(crate) steps: u64,

@@ -369,6 +369,9 @@ impl fmt::Display for Statistics {
         if end.lost() > 0 {
             write!(f, ", {} of {} lost", end.lost(), self.begun())?;
         }
+        if let Some(why) = self.origin.as_ref().and_then(|origin| origin.no_equilibrium) {
+            write!(f, "\nno equilibrium: {why}")?;
+        }
         let width = self.names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
         for (index, name) in self.names.iter().enumerate() {
             write!(f, "\n{name:width$}  {}", estimate(end.mean(index), end.standard_error(index)))?;

@@ -78,3 +78,15 @@ struct Parted;
 
 #[hamiltonian(drift = |q, p| 0.5 * p * p, friction = 0.1, embedding = Thermostat<Baoab>)]
 struct Nested;
+
+/// Temperatures that differ need a friction that couples no momenta: not zero is what the text says, whatever
+/// `c` will be.
+#[hamiltonian(
+    drift = |[x, y], [px, py]| 0.5 * (px * px + py * py),
+    damping = [[1.0, c], [c, 2.0]],
+    temperature = [1.0, 2.0],
+    embedding = Baoab,
+)]
+struct Coupled {
+    c: f64,
+}

@@ -10,7 +10,7 @@ use crate::ground::digits::estimate;
 use crate::increments::Divisible;
 use crate::path::Error;
 use crate::path::simulate::{Observer, Simulation, Summation, UsualSums};
-use crate::scheme::system::{Discretized, Exchange};
+use crate::scheme::system::{Discretized, Exchange, disequilibrium};
 
 /// Averages along one path: [`Simulation::time_averages`] begins it, [`TimeAveraging::run`] runs it.
 #[must_use = "nothing happens before `run`"]
@@ -52,6 +52,11 @@ pub struct TimeAverages<V> {
     pub steps: u64,
     /// Energy that it took from forces and bath, in units of energy.
     pub exchanged: Exchange,
+    /// The heat by degree of freedom
+    /// ([`Trajectory::heat_by_degree`](crate::path::trajectory::Trajectory::heat_by_degree)).
+    pub heat_by_degree: Vec<f64>,
+    /// Why the system has no equilibrium, if it has none: its temperatures differ, or depend on the time.
+    pub no_equilibrium: Option<&'static str>,
     /// Whether all targets are met, if there are any.
     pub met_targets: Option<bool>,
     /// Whether the run was stopped before its end and its targets.
@@ -97,6 +102,9 @@ impl<V> fmt::Display for TimeAverages<V> {
             Some(true) => f.write_str(", targets met")?,
             Some(false) => f.write_str(", targets not met")?,
             None => {}
+        }
+        if let Some(why) = self.no_equilibrium {
+            write!(f, "\nno equilibrium: {why}")?;
         }
         let width = self.averages.iter().map(|average| average.name.chars().count()).max().unwrap_or(0);
         self.averages.iter().try_for_each(|average| {
@@ -193,6 +201,8 @@ where
             last: path.last().clone(),
             steps,
             exchanged,
+            no_equilibrium: disequilibrium(&H::PLAN, &H::PROPERTIES),
+            heat_by_degree: path.heat_by_degree().to_vec(),
             met_targets,
             is_partial,
             unsaved: path.unsaved().cloned(),

@@ -9,7 +9,7 @@ use super::BatchMeans;
 use crate::algebra::state::{State, Vector};
 use crate::ground::digits::estimate;
 use crate::path::trajectory::Trajectory;
-use crate::scheme::system::Hamiltonian;
+use crate::scheme::system::{Discretized, Hamiltonian};
 
 /// The temperature of a degree of freedom, by averages along a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,9 @@ impl fmt::Display for Share {
 }
 
 impl Share {
+    /// Of degrees of freedom that have no common temperature.
+    const NONE: Self = Self { temperature: f64::NAN, standard_error: f64::NAN, error_bound: f64::NAN };
+
     fn of(batches: &BatchMeans) -> Self {
         let (standard_error, error_bound) = (batches.standard_error(), batches.error_bound());
         Self { temperature: batches.mean(), standard_error, error_bound }
@@ -43,20 +46,24 @@ pub struct Equipartition {
     pub kinetic: Vec<Share>,
     /// `⟨q_i ∂H/∂q_i⟩`
     pub configurational: Vec<Share>,
-    /// `⟨p · ∂H/∂p⟩ / d`
+    /// `⟨p · ∂H/∂p⟩ / d`; NaN where the temperatures of the degrees of freedom differ, and there is no one
+    /// temperature.
     pub kinetic_temperature: Share,
-    /// `⟨q · ∂H/∂q⟩ / d`
+    /// `⟨q · ∂H/∂q⟩ / d`, likewise.
     pub configurational_temperature: Share,
 }
 
-/// Both temperatures of the system, and a line for each degree of freedom.
+/// Both temperatures of the system, if it has one, and a line for each degree of freedom.
 impl fmt::Display for Equipartition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { kinetic_temperature, configurational_temperature, .. } = self;
-        write!(
-            f,
-            "kinetic temperature {kinetic_temperature}, configurational {configurational_temperature}"
-        )?;
+        match kinetic_temperature.temperature.is_nan() {
+            true => f.write_str("no one temperature; kinetic and configurational by degree of freedom:")?,
+            false => write!(
+                f,
+                "kinetic temperature {kinetic_temperature}, configurational {configurational_temperature}"
+            )?,
+        }
         for (i, (kinetic, configurational)) in self.kinetic.iter().zip(&self.configurational).enumerate() {
             write!(f, "\n{i}: {kinetic}, {configurational}")?;
         }
@@ -96,7 +103,7 @@ fn product_at<V: Vector>(x: &V, slope: &V, i: usize) -> f64 {
 
 impl<V: Vector, E> Trajectory<V, E> {
     /// The temperatures of all degrees of freedom, by averages over the recorded nodes.
-    pub fn equipartition<H: Hamiltonian<Vector = V>>(&self, system: &H) -> Equipartition {
+    pub fn equipartition<H: Discretized<E, Vector = V>>(&self, system: &H) -> Equipartition {
         let degrees = self.last().q.components().len();
         let lists = || vec![BatchMeans::new(); degrees];
         let (mut kinetic, mut configurational, mut all) =
@@ -114,11 +121,15 @@ impl<V: Vector, E> Trajectory<V, E> {
             }
         }
         let shares = |batches: &[BatchMeans]| batches.iter().map(Share::of).collect();
+        let [kinetic_temperature, configurational_temperature] = match H::PROPERTIES.has_temperatures {
+            true => [Share::NONE; 2],
+            false => all.each_ref().map(Share::of),
+        };
         Equipartition {
             kinetic: shares(&kinetic),
             configurational: shares(&configurational),
-            kinetic_temperature: Share::of(&all[0]),
-            configurational_temperature: Share::of(&all[1]),
+            kinetic_temperature,
+            configurational_temperature,
         }
     }
 }

@@ -104,7 +104,7 @@ where
             }
         };
         let Nodes { run: Run { observer, account, .. }, keeper, grid, .. } = nodes;
-        let exchanged = stepper.stepper.exchanged();
+        let exchanged = stepper.stepper.account();
         let trajectory = account.recorder.finish(state, &grid).observing(names, &functions);
         let trajectory =
             trajectory.accounted(system, &start, exchanged).suspecting(stepper.watch.suspected());

@@ -39,7 +39,12 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
         memory.pass(tape);
         carry.pass(tape);
         if Self::MAY_EXCHANGE {
-            tape.numbers([&mut exchanged.work, &mut exchanged.heat]);
+            tape.numbers([&mut exchanged.all.work, &mut exchanged.all.heat]);
+        }
+        if H::PROPERTIES.has_temperatures {
+            let degrees = tape.length(exchanged.by_degree.len());
+            exchanged.by_degree.resize(degrees, 0.0);
+            tape.numbers(&mut exchanged.by_degree);
         }
     }
 

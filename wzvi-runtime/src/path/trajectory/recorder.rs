@@ -66,6 +66,7 @@ impl<V: Vector> Recorder<V> {
             observed: Vec::new(),
             crossings: Vec::new(),
             exchanged: Exchange::default(),
+            heats: Vec::new(),
             is_accounted: false,
             gained: None,
         };

@@ -70,27 +70,31 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
             let constants = constants.map(|((&decay, &deviation), &inverse)| Ok((decay, deviation, inverse)));
             return momenta.relax::<C, N, D, N>(constants, drift);
         }
-        let Momenta { q, normals, p, .. } = momenta;
+        let Momenta { q, normals, p, heats, .. } = momenta;
         for start in (0..degrees).step_by(BLOCK) {
             let places = start..(start + BLOCK).min(degrees);
-            let drift = drift.map(|time| (time, &mut q[places.clone()]));
-            let p = &mut p[places.clone()];
-            heat = heat + self.block::<S, Plain, D>(places, deviation, normals, drift, p, &mut []);
+            let momenta = Momenta {
+                q: &mut q[places.clone()],
+                normals,
+                p: &mut p[places.clone()],
+                lost: &mut [],
+                heats: heats.get_mut(places.clone()).unwrap_or_default(),
+            };
+            heat = heat + self.block::<S, Plain, D>(places, deviation, momenta, drift);
         }
         Ok(heat)
     }
 
-    /// Moves the momenta of at most one block, with their coordinates; returns the heat. `lost` is what rounding took from the momenta, if sums are
-    /// compensated; no coordinates are then given.
+    /// Moves the momenta of at most one block, and their coordinates by drifts over the time `drift` if there
+    /// is one; returns the heat. Its lists are those of `places`, but for the normals, which are those of
+    /// all. With compensated sums there is no drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn block<S, C: Carry<S>, D: Copy>(
         &self,
         places: Range<usize>,
         deviation: &[D],
-        normals: &[S],
-        drift: Option<(N, &mut [S])>,
-        p: &mut [S],
-        lost: &mut [S],
+        Momenta { q, normals, p, lost, heats }: Momenta<'_, S>,
+        drift: Option<N>,
     ) -> S
     where
         S: Scalar + Mul<N, Output = S> + Mul<D, Output = S>,
@@ -123,7 +127,7 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
                     gains[i] = gain(before, p[i], inverse_mass[i]);
                 }
             }
-            Some((time, q)) => {
+            Some(time) => {
                 let q = &mut q[..len];
                 for i in 0..len {
                     let (before, drift) = (p[i], inverse_mass[i] * time);
@@ -133,13 +137,14 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
                 }
             }
         }
-        let mut heats = [zero; BESIDE];
+        heats.iter_mut().zip(&*gains).for_each(|(heat, gain)| *heat = *heat + *gain);
+        let mut sums = [zero; BESIDE];
         let (groups, rest) = gains.as_chunks::<BESIDE>();
         for group in groups {
             for i in 0..BESIDE {
-                heats[i] = heats[i] + group[i];
+                sums[i] = sums[i] + group[i];
             }
         }
-        rest.iter().chain(&heats).fold(zero, |sum, &heat| sum + heat)
+        rest.iter().chain(&sums).fold(zero, |sum, &heat| sum + heat)
     }
 }

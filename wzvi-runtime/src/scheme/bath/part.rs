@@ -136,8 +136,13 @@ pub struct Memory<S> {
     driving: Driving<S>,
     /// The heat of each part, block by block, where a step goes window by window.
     blocks: Vec<AtomicU64>,
+    /// The heat of each degree of freedom there, if they have temperatures of their own.
+    by_degree: Vec<AtomicU64>,
     /// The heat of the last step.
     pub(super) heat: S,
+    /// The heat of each degree of freedom in the last step, if they have temperatures of their own; else
+    /// empty.
+    pub(super) heats: Vec<S>,
 }
 
 /// What the temperatures of a step give its O parts, where they depend on the time or on the place of a friction that does: for each part the numbers `R / √h` of the
@@ -195,7 +200,7 @@ impl<S: Scalar> Driving<S> {
 /// The copy allocates its own scratch.
 impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
-        Self { heat: self.heat, ..Self::default() }
+        Self { heat: self.heat, heats: self.heats.clone(), ..Self::default() }
     }
 }
 
@@ -208,7 +213,7 @@ impl<S: Scalar> StepMemory for Memory<S> {
     fn tell(&mut self, _: &Request) {}
 
     fn adopt(&mut self, left: Self) {
-        self.heat = left.heat;
+        (self.heat, self.heats) = (left.heat, left.heats);
     }
 }
 
@@ -225,6 +230,17 @@ impl<S: Scalar> Memory<S> {
         let room = Relaxation::<f64>::room::<T>(degrees);
         if self.room.numbers.len() != room {
             self.room.numbers.resize(room, S::from_f64(0.0));
+        }
+        if const { Damped::<T>::FRICTION.has_temperatures } && S::LANES == 1 {
+            self.heats.clear();
+            self.heats.resize(degrees, S::from_f64(0.0));
+        }
+    }
+
+    /// Takes the heats of degrees of freedom from the windows of a step.
+    pub(super) fn collect_heats(&mut self) {
+        for (heat, of_windows) in self.heats.iter_mut().zip(&self.by_degree) {
+            *heat = S::from_f64(f64::from_bits(of_windows.load(Ordering::Relaxed)));
         }
     }
 
@@ -268,7 +284,7 @@ impl<S: Scalar> Memory<S> {
             self.driving.fill(of, relaxation, [t, h], size).map_err(StepFailure::Bath)?;
         }
         let per_part = (expected - noises) / shares.parts;
-        let Self { room, driving, blocks, .. } = self;
+        let Self { room, driving, blocks, by_degree, heats, .. } = self;
         let driving = &driving.numbers[..];
         Ok(Parts {
             system,
@@ -279,6 +295,8 @@ impl<S: Scalar> Memory<S> {
             parts: shares.parts,
             room,
             blocks,
+            by_degree,
+            heats,
         })
     }
 }
@@ -292,6 +310,13 @@ fn same<A: Any, B: Any>(value: &A) -> Option<&B> {
 const fn drives<T: Elements>() -> bool {
     let friction = Damped::<T>::FRICTION;
     friction.is_timed || (friction.has_temperatures && friction.is_per_state)
+}
+
+/// `kT` of a bath at one constant temperature.
+pub(super) fn temperature<T: Elements>(system: &T) -> Option<f64> {
+    let friction = Damped::<T>::FRICTION;
+    let is_one = friction.temperature.is_some() && !friction.is_out_of_equilibrium();
+    is_one.then(|| Relaxation::<f64>::check((system, &[]), friction).ok()).flatten()
 }
 
 /// The number of standard normals that drive a step with `parts` O parts.
@@ -310,16 +335,20 @@ pub(super) struct Parts<'m, T, K, S> {
     parts: usize,
     room: &'m mut Room<S>,
     blocks: &'m mut Vec<AtomicU64>,
+    by_degree: &'m mut Vec<AtomicU64>,
+    heats: &'m mut [S],
 }
 
 impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
     /// The parts place by place, `parts` in number, where rates and masses are lists and numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
-        let Self { relaxation, normals, per_part, driving, blocks, .. } = self;
+        let Self { relaxation, normals, per_part, driving, blocks, by_degree, heats, .. } = self;
         let (law, normals, driving) = (same(relaxation.diagonal()?)?, S::plain(normals)?, S::plain(driving)?);
         blocks.resize_with(parts * degrees.div_ceil(BLOCK), AtomicU64::default);
-        Some(ByPlace { law, normals, per_part, driving, blocks, parts })
+        by_degree.resize_with(heats.len(), AtomicU64::default);
+        by_degree.iter_mut().for_each(|heat| *heat.get_mut() = 0.0_f64.to_bits());
+        Some(ByPlace { law, normals, per_part, driving, blocks, by_degree, parts })
     }
 
     /// Whether there is no friction.
@@ -349,7 +378,8 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
         let of_part = self.driving.len() / self.parts;
         let driving = &self.driving[part * of_part..(part + 1) * of_part];
-        let momenta = Momenta { q, normals, p, lost };
+        let heats = if const { Damped::<T>::FRICTION.has_temperatures } { &mut *self.heats } else { &mut [] };
+        let momenta = Momenta { q, normals, p, lost, heats };
         self.relaxation.apply::<T, S, C>(self.system, momenta, (drift, driving), self.room)
     }
 }
@@ -364,6 +394,8 @@ pub(crate) struct ByPlace<'m> {
     driving: &'m [f64],
     /// The bits of the heats of the `parts` of each block: threads share the list, but each writes to its own blocks.
     blocks: &'m [AtomicU64],
+    /// The bits of the heats of the degrees of freedom, likewise; empty where they share one bath.
+    by_degree: &'m [AtomicU64],
     parts: usize,
 }
 
@@ -387,16 +419,24 @@ impl ByPlace<'_> {
         let heats = self.blocks[places.start / BLOCK * self.parts..].chunks(self.parts);
         for (block, (p, heats)) in p.chunks_mut(BLOCK).zip(heats).enumerate() {
             let (from, len) = (block * BLOCK, p.len());
-            let drift = drift.as_mut().map(|(time, q)| (*time, &mut q[from..from + len]));
+            let (time, q) = match &mut drift {
+                Some((time, q)) => (Some(*time), &mut q[from..from + len]),
+                None => (None, &mut [][..]),
+            };
+            let lost = if CARRIES { &mut lost[from..from + len] } else { &mut [] };
             let places = places.start + from..places.start + from + len;
+            let by_degree = self.by_degree.get(places.clone()).unwrap_or_default();
+            let mut own = [0.0; BLOCK];
+            let momenta = Momenta { q, normals, p, lost, heats: &mut own[..by_degree.len()] };
             let heat = match CARRIES {
-                true => {
-                    let lost = &mut lost[from..from + len];
-                    self.law.block::<_, Compensation<f64, 1>, _>(places, deviation, normals, drift, p, lost)
-                }
-                false => self.law.block::<_, Plain, _>(places, deviation, normals, drift, p, &mut []),
+                true => self.law.block::<_, Compensation<f64, 1>, _>(places, deviation, momenta, time),
+                false => self.law.block::<_, Plain, _>(places, deviation, momenta, time),
             };
             heats[part].store(heat.to_bits(), Ordering::Relaxed);
+            for (sum, gain) in by_degree.iter().zip(own) {
+                let sum_so_far = f64::from_bits(sum.load(Ordering::Relaxed));
+                sum.store((sum_so_far + gain).to_bits(), Ordering::Relaxed);
+            }
         }
     }
 

@@ -69,6 +69,8 @@ pub(super) struct Momenta<'m, S> {
     pub(super) p: &'m mut [S],
     /// The compensation of the momenta.
     pub(super) lost: &'m mut [S],
+    /// The heat of each degree of freedom so far; empty where they share one bath.
+    pub(super) heats: &'m mut [S],
 }
 
 impl<K: Constant> Relaxation<K> {
@@ -107,6 +109,9 @@ impl<K: Constant> Relaxation<K> {
         }
         let bath = Bath { time: h * share, temperature, unit: h.abs().sqrt().recip(), decay };
         let inverse_mass: Vec<K> = inverse_mass((system, varied), friction, degrees);
+        if friction.is_matrix && friction.is_list() && !friction.is_per_state {
+            gamma = rates_of_diagonal(&gamma, &inverse_mass)?;
+        }
         let mass = if friction.is_list() { Factors::default() } else { Factors::of(&inverse_mass, degrees)? };
         if friction.is_per_state {
             if friction.is_list()
@@ -117,7 +122,7 @@ impl<K: Constant> Relaxation<K> {
             let parameters = parameters.to_vec();
             return Ok(Self::Frozen(Frozen { mass, inverse_mass, bath, parameters }));
         }
-        match (friction.is_matrix, friction.has_diagonal_masses) {
+        match (!friction.is_list() && friction.is_matrix, friction.has_diagonal_masses) {
             (false, true) if friction.is_timed => ramped(&gamma, inverse_mass, &bath),
             (false, true) => diagonal(&gamma, inverse_mass, &bath, &temperatures),
             (false, false) => {
@@ -206,7 +211,7 @@ impl<K: Constant> Relaxation<K> {
                 momenta.replace::<C, K>(&room.numbers[..d], inverse_mass)
             }
             Self::Frozen(frozen) => {
-                if Damped::<T>::FRICTION.is_matrix {
+                if const { Damped::<T>::FRICTION.is_matrix && !Damped::<T>::FRICTION.is_list() } {
                     frozen.apply_matrix::<T, S, C>(
                         (system, S::varied(&frozen.parameters)),
                         momenta,
@@ -283,7 +288,11 @@ impl<S: Scalar> Momenta<'_, S> {
                 let drift = inverse * time;
                 self.q[i] = self.q[i] + before * drift + *p * drift;
             }
-            heat = heat + gain(before, *p, inverse);
+            let gain = gain(before, *p, inverse);
+            if let Some(own) = self.heats.get_mut(i) {
+                *own = *own + gain;
+            }
+            heat = heat + gain;
         }
         Ok(heat)
     }
@@ -329,7 +338,7 @@ fn inverse_mass<T: Elements, S: Scalar>(
     let zeros = |length| vec![S::from_f64(0.0); length];
     let mut inverse_mass = zeros(if friction.has_diagonal_masses { d } else { d * d });
     friction.inverse_mass(system, &mut inverse_mass);
-    if !friction.has_diagonal_masses || !friction.is_matrix {
+    if !friction.has_diagonal_masses || friction.is_list() {
         return inverse_mass;
     }
     let mut rows = zeros(d * d);
@@ -351,6 +360,33 @@ fn check_rate<K: Constant>(rate: K) -> Result<K, BathError> {
 fn check_mass<K: Constant>(degree: usize, inverse: K) -> Result<(), BathError> {
     let is_mass = K::from_f64(0.0).less(inverse).all();
     if is_mass { Ok(()) } else { Err(BathError::Mass { degree, inverse: inverse.lane(0) }) }
+}
+
+/// Whether a matrix of so many rows is diagonal.
+///
+/// # Errors
+/// [`BathError::Coupled`]
+fn check_diagonal<S: Scalar>(gamma: &[S], d: usize) -> Result<(), BathError> {
+    let coupled = |at: &usize| at % d != at / d && !gamma[*at].vanishes().all();
+    match (0..d * d).find(coupled) {
+        Some(at) => Err(BathError::Coupled { entry: [at / d, at % d] }),
+        None => Ok(()),
+    }
+}
+
+/// `Γ_ii / m_i` of a diagonal matrix.
+///
+/// # Errors
+/// [`BathError::Coupled`]
+fn rates_of_diagonal<K: Constant>(gamma: &[K], inverse_mass: &[K]) -> Result<Vec<K>, BathError> {
+    let d = inverse_mass.len();
+    check_diagonal(gamma, d)?;
+    let rate = |(degree, inverse): (usize, &K)| match gamma[degree * d + degree].vanishes().all() {
+        // Of a degree of freedom that has no friction, any mass will do.
+        true => K::from_f64(0.0),
+        false => gamma[degree * d + degree] * *inverse,
+    };
+    Ok(inverse_mass.iter().enumerate().map(rate).collect())
 }
 
 /// At temperatures that depend on the time.
@@ -487,7 +523,16 @@ impl<K: Constant> Frozen<K> {
             Some([*first.get(degree)?, *last.get(degree)?])
         };
         let (rates, new) = numbers.split_at_mut(momenta.p.len());
-        Damped::<T>::FRICTION.damping(system, momenta.q, rates, columns);
+        if const { Damped::<T>::FRICTION.is_matrix } {
+            let gamma = &mut new[..rates.len() * rates.len()];
+            Damped::<T>::FRICTION.damping(system, momenta.q, gamma, columns);
+            check_diagonal(gamma, rates.len()).map_err(StepFailure::Bath)?;
+            for (degree, rate) in rates.iter_mut().enumerate() {
+                *rate = gamma[degree * momenta.p.len() + degree] * self.inverse_mass[degree];
+            }
+        } else {
+            Damped::<T>::FRICTION.damping(system, momenta.q, rates, columns);
+        }
         if Damped::<T>::FRICTION.has_diagonal_masses {
             let constants =
                 rates.iter().zip(&self.inverse_mass).enumerate().map(|(degree, (&rate, &inverse))| {

@@ -99,6 +99,7 @@ where
             false => usize::MAX,
         },
         exchanges: true,
+        has_temperatures: Damped::<F>::FRICTION.has_temperatures,
         is_variational: false,
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
@@ -114,6 +115,14 @@ where
 
     fn exchanged(_: &F, (bath, _): &Self::Memory<f64>) -> Exchange {
         Exchange { work: 0.0, heat: bath.heat }
+    }
+
+    fn heats((bath, _): &Self::Memory<f64>) -> &[f64] {
+        &bath.heats
+    }
+
+    fn temperature(system: &F) -> Option<f64> {
+        part::temperature(system)
     }
 
     fn memory(system: &F) -> Self::Memory<f64> {
@@ -172,6 +181,7 @@ where
                 let (taken, heat) = taken?;
                 taken.store(q, p, carry);
                 bath.heat = S::from_f64(heat);
+                bath.collect_heats();
                 return Ok(Effort::fast(0));
             }
         }

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 
 use super::modes::Decay;
 use super::part::{self, Law, Parts, Shares, normals};
-use super::with_bath;
+use super::{Damped, with_bath};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
@@ -41,6 +41,7 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
         remembers: <T as Discretized<E>>::PROPERTIES.remembers,
         in_lanes: <T as Discretized<E>>::PROPERTIES.in_lanes,
         exchanges: true,
+        has_temperatures: Damped::<T>::FRICTION.has_temperatures,
         is_variational: false,
         ..Properties::of(&<Self as Scheme<T>>::PLAN, 0)
     };
@@ -58,6 +59,14 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
         let mut exchange = Exchange { work: 0.0, heat: bath.heat };
         exchange += SchemeOf::<T, E>::exchanged(system, &kept.parts);
         exchange
+    }
+
+    fn heats((_, bath): &Self::Memory<f64>) -> &[f64] {
+        &bath.heats
+    }
+
+    fn temperature(system: &T) -> Option<f64> {
+        part::temperature(system)
     }
 
     fn memory(system: &T) -> Self::Memory<f64> {

@@ -140,10 +140,21 @@ pub struct Properties {
     pub has_polynomial: bool,
     /// Whether the scheme accounts for the energy from forces and bath: [`Scheme::exchanged`].
     pub exchanges: bool,
+    /// Whether degrees of freedom have baths of their own: [`Scheme::heats`].
+    pub has_temperatures: bool,
     /// Whether steps follow from a discrete Lagrangian.
     pub is_variational: bool,
     /// Where implicit steps have poles in linear systems, if that is known and there are any.
     pub poles: Option<Poles>,
+}
+
+/// Why a scheme for a system with a bath has no equilibrium, if it has none.
+pub(crate) const fn disequilibrium(plan: &Plan, properties: &Properties) -> Option<&'static str> {
+    match (plan.is_out_of_equilibrium, properties.has_temperatures) {
+        (false, _) => None,
+        (true, true) => Some("the temperatures of the degrees of freedom differ"),
+        (true, false) => Some("the temperature depends on the time"),
+    }
 }
 
 impl Properties {
@@ -158,6 +169,7 @@ impl Properties {
             dense_order: hermite_order(plan),
             has_polynomial: false,
             exchanges: false,
+            has_temperatures: false,
             is_variational: true,
             poles: None,
         }
@@ -252,6 +264,19 @@ pub trait Scheme<H: Hamiltonian> {
     fn exchanged(system: &H, memory: &Self::Memory<f64>) -> Exchange {
         let _ = (system, memory);
         Exchange::default()
+    }
+
+    /// The heat of each degree of freedom in the last step recorded in `memory`, where
+    /// [`Properties::has_temperatures`]; else empty.
+    fn heats(memory: &Self::Memory<f64>) -> &[f64] {
+        let _ = memory;
+        &[]
+    }
+
+    /// `kT` of a bath at one constant temperature.
+    fn temperature(system: &H) -> Option<f64> {
+        let _ = system;
+        None
     }
 
     /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN if there is none.

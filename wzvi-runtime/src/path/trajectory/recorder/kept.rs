@@ -25,6 +25,7 @@ impl<V: Vector> Recorder<V> {
             observed: _,
             crossings: _,
             exchanged: _,
+            heats: _,
             is_accounted: _,
             gained: _,
         } = path;
