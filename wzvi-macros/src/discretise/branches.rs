@@ -140,7 +140,7 @@ fn boundary(graph: &mut Graph, value: Expr, part: Expr, state: &[Symbol]) -> Opt
         return None;
     }
     let surface = graph.subtract(left, right);
-    let crossing = match crossing(graph, surface, (jump, negative), state) {
+    let crossing = match crossing(graph, surface, jump, negative, state) {
         Crossing::Undecided if !may_jump => Crossing::Kink,
         // The surface is curved, or the jump vanishes by no known identity.
         Crossing::Undecided => match graph.sides(value, Edge::Zero(surface), state) {
@@ -192,7 +192,8 @@ fn of_whole_turns(graph: &mut Graph, value: Expr, angle: Expr, turn: Expr) -> Ha
 fn crossing(
     graph: &mut Graph,
     surface: Expr,
-    (jump, negative): (Expr, Option<Expr>),
+    jump: Expr,
+    negative: Option<Expr>,
     state: &[Symbol],
 ) -> Crossing {
     let Some(solution) = state.iter().find_map(|&symbol| solved(graph, surface, symbol, state)) else {

@@ -213,7 +213,10 @@ impl Facts {
             commuting,
             has_weak_order_two,
             has_several_noises,
-            invariants: declared.into_iter().map(|one| invariant(sums, &hamiltonians, one)).collect(),
+            invariants: declared
+                .into_iter()
+                .map(|(extent, name, value)| invariant(sums, &hamiltonians, extent, name, value))
+                .collect(),
             numbers: hamiltonians.numbers,
             drift: hamiltonians.drift,
             space,

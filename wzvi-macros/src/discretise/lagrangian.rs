@@ -64,12 +64,11 @@ impl DiscreteLagrangian {
         }
         let value = graph.linear_combination(&terms);
         let by_momentum = symbols.momentum.iter().map(|&p| graph.derivative(value, p)).collect();
-        let mut by_node = |of_increment: Rational, of_stage: fn(&Stage) -> Rational| -> Vec<Expr> {
-            let weights = (of_increment, of_stage);
-            (0..symbols.degrees()).map(|i| symbols.by_node(graph, (value, &forces), i, weights)).collect()
+        let mut by_node = |weights: NodeWeights| -> Vec<Expr> {
+            (0..symbols.degrees()).map(|i| symbols.by_node(graph, value, &forces, i, weights)).collect()
         };
-        let by_start = by_node(Rational::MINUS_ONE, Stage::start);
-        let mut by_end = by_node(Rational::ONE, Stage::end);
+        let by_start = by_node(NodeWeights { increment: Rational::MINUS_ONE, stage: Stage::start });
+        let mut by_end = by_node(NodeWeights { increment: Rational::ONE, stage: Stage::end });
         if let Some(decay) = decay {
             // `e^{-γ h} - 1` is small, and so is the added term.
             by_end.iter_mut().for_each(|end| {
@@ -79,6 +78,13 @@ impl DiscreteLagrangian {
         }
         Self { symbols, value, by_momentum, by_start, by_end }
     }
+}
+
+/// The derivative by a node of a step: the weights of `∂/∂u`, and of `∂/∂Q_l` for each stage.
+#[derive(Clone, Copy)]
+struct NodeWeights {
+    increment: Rational,
+    stage: fn(&Stage) -> Rational,
 }
 
 impl StepSymbols {
@@ -117,13 +123,14 @@ impl StepSymbols {
     fn by_node(
         &self,
         graph: &mut Graph,
-        (value, forces): (Expr, &[Vec<Expr>]),
+        value: Expr,
+        forces: &[Vec<Expr>],
         i: usize,
-        (of_increment, of_stage): (Rational, fn(&Stage) -> Rational),
+        weights: NodeWeights,
     ) -> Expr {
-        let mut terms = vec![(graph.derivative(value, self.unknowns[i]), of_increment)];
+        let mut terms = vec![(graph.derivative(value, self.unknowns[i]), weights.increment)];
         for (stage, forces) in self.stages.iter().zip(forces) {
-            let weight = of_stage(&stage.at);
+            let weight = (weights.stage)(&stage.at);
             terms.push((graph.derivative(value, stage.q[i]), weight));
             terms.extend(forces.get(i).map(|&force| (force, weight)));
         }

@@ -60,14 +60,16 @@ impl Structure {
         let mut definitions = HashMap::new();
         let mut blocks = Vec::new();
         for component in dependencies.components() {
-            let mut block = BlockSolver::new(graph, symbols, equations).block(dependencies.split(&component));
+            let (iterates, assigned) = dependencies.split(&component);
+            let mut block = BlockSolver::new(graph, symbols, equations).block(iterates, assigned);
             let mut solved = equations;
             let isolated = match block.solution {
                 Solution::Newton { .. } => isolate(graph, symbols, equations, &component, &block.iterates),
                 _ => None,
             };
             if let Some((equations, dependencies, pivots)) = &isolated {
-                block = BlockSolver::new(graph, symbols, equations).block(dependencies.split(&component));
+                let (iterates, assigned) = dependencies.split(&component);
+                block = BlockSolver::new(graph, symbols, equations).block(iterates, assigned);
                 solved = equations;
                 blocks.extend(pivots.iter().map(|&pivot| Block::of(Solution::Isolated(pivot))));
             }
@@ -162,7 +164,7 @@ impl<'a> BlockSolver<'a> {
     }
 
     /// The unknowns of a component, split into iterates and assigned ones, with the solution method.
-    fn block(&mut self, (iterates, assigned): (Vec<Unknown>, Vec<Unknown>)) -> Block {
+    fn block(&mut self, iterates: Vec<Unknown>, assigned: Vec<Unknown>) -> Block {
         let solution = self.solve(&iterates, &assigned);
         Block { iterates, assigned, solution }
     }

@@ -41,7 +41,7 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
     for (step, text) in steps.filter(|(step, _)| is_taken.contains(step.embedding())) {
         generated.extend(match step {
             Step::StraightLine(line, scheme) => {
-                step::emit(&system.item, (&mut system.graph, line), facts, scheme, (text, is_alone))
+                step::emit(&system.item, &mut system.graph, line, facts, scheme, text, is_alone)
             }
             Step::InLoops(embedding, strategy) => terms::step(system, facts, embedding, *strategy, text),
         });

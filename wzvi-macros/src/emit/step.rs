@@ -29,13 +29,15 @@ pub(crate) fn increment_names(names: &mut Names, noises: usize) -> Vec<Ident> {
     }
 }
 
-/// The implementation of one scheme.
+/// The implementation of one scheme. `is_alone`: no other scheme has straight-line code.
 pub(crate) fn emit(
     item: &syn::ItemStruct,
-    (graph, line): (&mut Graph, &StraightLine),
+    graph: &mut Graph,
+    line: &StraightLine,
     facts: &Facts,
     scheme: &Scheme,
-    (text, is_alone): (&str, bool),
+    text: &str,
+    is_alone: bool,
 ) -> TokenStream {
     let flow = Flow::new(graph, &line.parameters, scheme, facts.noise == NoiseClass::None);
     let noises = scheme.lagrangian.symbols.dw.len();

@@ -55,7 +55,9 @@ impl Rates<'_, '_> {
 pub(super) fn invariant(
     sums: &mut Calculus<'_>,
     hamiltonians: &Hamiltonians,
-    (extent, name, value): (Extent, String, Sum),
+    extent: Extent,
+    name: String,
+    value: Sum,
 ) -> Invariant {
     let Hamiltonians { noise, numbers, forces, t, .. } = hamiltonians;
     let mut rates = Rates { sums: &mut *sums, failure: None };
