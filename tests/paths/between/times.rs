@@ -256,6 +256,23 @@ fn what_needs_equal_steps_leaves_the_shorter_one_out() {
     assert_eq!(displacement(700).values, displacement(703).values);
 }
 
+/// An event in a last step that is shorter is a passage, with noise at its nodes and without noise inside it,
+/// and its time is that of the event: the first is linear in time, the second exact to the dense output.
+#[test]
+fn passages_happen_in_the_shorter_step_too() {
+    let noisy = Shaken.ensemble::<Midpoint>(0.1).start(start()).paths(9).seed(3).until(2.03);
+    let noisy = noisy.first_passage("late", |state| state.t - 2.02).run().unwrap();
+    let late = noisy.passage("late").unwrap();
+    assert!(late.passed() == 9 && (late.mean() - 2.02).abs() < 1e-14, "{late}");
+    let smooth = Oscillator.ensemble::<Gauss<8>>(0.25).start(start()).paths(3).until(1.6);
+    let smooth = smooth.first_passage("q", |state| state.q[0]).run().unwrap();
+    let quarter = smooth.passage("q").unwrap();
+    assert!(
+        quarter.passed() == 3 && (quarter.mean() - std::f64::consts::FRAC_PI_2).abs() < 1e-12,
+        "{quarter}"
+    );
+}
+
 /// A well that is driven hard: a step may have no solution.
 #[hamiltonian(
     drift = |q, p| 0.5 * p * p + 0.25 * (q * q - 1.0) * (q * q - 1.0),
