@@ -7,36 +7,37 @@ use wzvi::prelude::*;
 
 use crate::principle::same_by;
 
-/// Two coupled masses with one rate.
+/// Two coupled masses with one rate: with a literal size in straight lines, with a const generic in loops.
 macro_rules! coupled {
-    ($name:ident, $strategy:ident) => {
+    ($name:ident, [$($generics:tt)*], $state:ty) => {
         #[hamiltonian(
-            drift = |q: [f64; 2], p: [f64; 2]| 0.5 * p[0] * p[0] / self.m + 0.5 * p[1] * p[1] + 0.2 * p[0] * p[1]
+            drift = |q: $state, p: $state| 0.5 * p[0] * p[0] / self.m + 0.5 * p[1] * p[1] + 0.2 * p[0] * p[1]
                 - (q[1] - q[0]).cos() + 0.25 * q[0].powi(4),
             friction = self.gamma,
             embedding = [DeltaPlus, DeltaMinus, Midpoint, Lambda<1, 3>, Verlet, Gauss<2>, Gauss<3>],
-            __strategy = $strategy,
         )]
         #[derive(Clone, Debug)]
-        pub(crate) struct $name {
+        pub(crate) struct $name$($generics)* {
             pub(crate) m: f64,
             pub(crate) gamma: f64,
         }
     };
 }
 
-coupled!(CoupledInline, inline);
-coupled!(CoupledLoops, sweep);
+coupled!(CoupledInline, [], [f64; 2]);
+coupled!(CoupledInLoops, [<const N: usize>], [f64; N]);
+type CoupledLoops = CoupledInLoops<2>;
 
 #[hamiltonian(drift = |q, p| 0.5 * p * p - q.cos(), friction = gamma, embedding = [Midpoint, Gauss<1>, Gauss<2>])]
 struct Pendulum {
     gamma: f64,
 }
 
-#[hamiltonian(drift = |q: [f64; 1], p: [f64; 1]| 0.5 * p[0] * p[0] - q[0].cos(), friction = gamma, embedding = [Midpoint, Gauss<2>], __strategy = sweep)]
-struct PendulumLoops {
+#[hamiltonian(drift = |q: [f64; N], p: [f64; N]| 0.5 * p[0] * p[0] - q[0].cos(), friction = gamma, embedding = [Midpoint, Gauss<2>])]
+struct PendulumInLoops<const N: usize> {
     gamma: f64,
 }
+type PendulumLoops = PendulumInLoops<1>;
 
 fn reference<E, H: Discretized<E, Vector = SVector<f64, 1>>>(system: &H, scheme: &str) {
     let data = data("langevin_steps");
@@ -136,41 +137,55 @@ fn friction_keeps_the_order_of_the_scheme() {
 
 /// Rates by degree of freedom, by place, and a matrix, in straight lines and in loops, and the forces that they are.
 macro_rules! drawn {
-    ($name:ident, $loops:ident, $friction:tt, $forced:ident, $force:tt) => {
-        drawn!(@of $name, inline, $friction);
-        drawn!(@of $loops, sweep, $friction);
-        drawn!(@of $forced, inline, $force);
+    ($name:ident, $friction:tt, $loops:ident, $in_loops:ident, $general:tt, $forced:ident, $force:tt) => {
+        drawn!(@of $name, [], [f64; 2], $friction);
+        drawn!(@of $in_loops, [<const N: usize>], [f64; N], $general);
+        type $loops = $in_loops<2>;
+        drawn!(@of $forced, [], [f64; 2], $force);
     };
-    (@of $name:ident, $strategy:ident, { $($friction:tt)* }) => {
+    (@of $name:ident, [$($generics:tt)*], $state:ty, { $($friction:tt)* }) => {
         #[hamiltonian(
-            drift = |q: [f64; 2], p: [f64; 2]| 0.5 * p[0] * p[0] / self.m + 0.5 * p[1] * p[1] - (q[1] - q[0]).cos(),
+            drift = |q: $state, p: $state| 0.5 * p[0] * p[0] / self.m + 0.5 * p[1] * p[1] - (q[1] - q[0]).cos(),
             $($friction)*,
             embedding = [DeltaPlus, Midpoint, Gauss<2>],
-            __strategy = $strategy,
         )]
         #[derive(Clone, Debug)]
-        struct $name {
+        struct $name$($generics)* {
             m: f64,
             gamma: f64,
         }
     };
 }
 
-drawn!(List, ListLoops, { friction = [self.gamma, 0.5] }, ListForce, {
+drawn!(List, { friction = [self.gamma, 0.5] }, ListLoops, ListInLoops, {
+    friction = (0..N).map(|i| if i == 0 { self.gamma } else { 0.5 })
+}, ListForce, {
     force = |_q: [f64; 2], p: [f64; 2]| [-self.gamma * p[0], -0.5 * p[1]]
 });
-drawn!(Place, PlaceLoops, { friction = |q: [f64; 2]| [self.gamma * q[0] * q[0], 0.5] }, PlaceForce, {
+drawn!(Place, { friction = |q: [f64; 2]| [self.gamma * q[0] * q[0], 0.5] }, PlaceLoops, PlaceInLoops, {
+    friction = |q: [f64; N]| (0..N).map(|i| if i == 0 { self.gamma * q[0] * q[0] } else { 0.5 })
+}, PlaceForce, {
     force = |q: [f64; 2], p: [f64; 2]| [-self.gamma * q[0] * q[0] * p[0], -0.5 * p[1]]
 });
-drawn!(Matrix, MatrixLoops, { damping = [[self.gamma, 0.2], [0.2, 0.5]] }, MatrixForce, {
+drawn!(Matrix, { damping = [[self.gamma, 0.2], [0.2, 0.5]] }, MatrixLoops, MatrixInLoops, {
+    damping = (0..N).map(|i| (0..N).map(|j| match (i, j) { (0, 0) => self.gamma, (1, 1) => 0.5, _ => 0.2 }))
+}, MatrixForce, {
     force = |_q: [f64; 2], p: [f64; 2]| {
         [-self.gamma * p[0] / self.m - 0.2 * p[1], -0.2 * p[0] / self.m - 0.5 * p[1]]
     }
 });
 drawn!(
     MatrixPlace,
-    MatrixPlaceLoops,
     { damping = |q: [f64; 2]| [[self.gamma * q[1] * q[1], 0.2 * q[0]], [0.2 * q[0], 0.5]] },
+    MatrixPlaceLoops,
+    MatrixPlaceInLoops,
+    {
+        damping = |q: [f64; N]| (0..N).map(|i| (0..N).map(|j| match (i, j) {
+            (0, 0) => self.gamma * q[1] * q[1],
+            (1, 1) => 0.5,
+            _ => 0.2 * q[0],
+        }))
+    },
     MatrixPlaceForce,
     {
         force = |q: [f64; 2], p: [f64; 2]| {

@@ -4,23 +4,23 @@ use wzvi::prelude::*;
 
 /// A damped pendulum that is driven: `f` reads coordinates, momenta and time.
 macro_rules! driven {
-    ($name:ident, $strategy:ident) => {
+    ($name:ident, [$($generics:tt)*], $state:ty) => {
         #[hamiltonian(
-            drift = |q: [f64; 1], p: [f64; 1]| 0.5 * p[0] * p[0] - q[0].cos(),
-            force = |q: [f64; 1], p: [f64; 1], t| [-self.drag * p[0] * p[0].abs() + self.push * (1.3 * t).cos() * q[0].cos()],
+            drift = |q: $state, p: $state| 0.5 * p[0] * p[0] - q[0].cos(),
+            force = |q: $state, p: $state, t| (0..q.len()).map(|i| -self.drag * p[i] * p[i].abs() + self.push * (1.3 * t).cos() * q[i].cos()),
             embedding = [DeltaPlus, DeltaMinus, Midpoint, Lambda<1, 3>, Verlet, Gauss<2>, Gauss<3>],
-            __strategy = $strategy,
         )]
         #[derive(Clone, Debug)]
-        pub(crate) struct $name {
+        pub(crate) struct $name$($generics)* {
             pub(crate) drag: f64,
             pub(crate) push: f64,
         }
     };
 }
 
-driven!(DrivenInline, inline);
-driven!(DrivenLoops, sweep);
+driven!(DrivenInline, [], [f64; 1]);
+driven!(DrivenInLoops, [<const N: usize>], [f64; N]);
+pub(crate) type DrivenLoops = DrivenInLoops<1>;
 
 /// A harmonic oscillator with drag and a periodic force: solved exactly.
 #[hamiltonian(
@@ -44,7 +44,6 @@ pub(crate) struct Oscillator {
     }),
     noise_force = [|q: [f64; 5], p: [f64; 5], k| (0..5).map(|i| if i == k { self.sigma * q[i].cos() } else { 0.0 }); 5],
     embedding = [DeltaPlus, DeltaMinus, Midpoint, Verlet, Gauss<2>],
-    __strategy = inline,
 )]
 #[derive(Clone, Debug)]
 pub(crate) struct ChainInline {

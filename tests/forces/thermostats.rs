@@ -5,21 +5,21 @@ use wzvi::prelude::*;
 
 /// Three masses in a row, whose friction and temperature are fields, in straight lines and in loops.
 macro_rules! row {
-    ($name:ident, $loops:ident, $bath:tt) => {
-        row!(@of $name, inline, $bath);
-        row!(@of $loops, sweep, $bath);
+    ($name:ident, $bath:tt, $loops:ident, $in_loops:ident, $general:tt) => {
+        row!(@of $name, [], [f64; 3], $bath);
+        row!(@of $in_loops, [<const N: usize>], [f64; N], $general);
+        type $loops = $in_loops<3>;
     };
-    (@of $name:ident, $strategy:ident, { $($bath:tt)* }) => {
+    (@of $name:ident, [$($generics:tt)*], $state:ty, { $($bath:tt)* }) => {
         #[hamiltonian(
-            drift = |q: [f64; 3], p: [f64; 3]| (0..3).map(|i| 0.5 * p[i] * p[i] / self.mass[i] + 0.25 * q[i].powi(4)).sum::<f64>()
-                + (0..2).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>(),
+            drift = |q: $state, p: $state| (0..q.len()).map(|i| 0.5 * p[i] * p[i] / self.mass[i] + 0.25 * q[i].powi(4)).sum::<f64>()
+                + (0..q.len() - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>(),
             $($bath)*,
             temperature = self.kt,
             embedding = [Baoab, Obabo, Thermostat<Midpoint>, Thermostat<Verlet>, Thermostat<Gauss<2>>],
-            __strategy = $strategy,
         )]
         #[derive(Clone, Debug)]
-        pub(crate) struct $name {
+        pub(crate) struct $name$($generics)* {
             pub(crate) mass: [f64; 3],
             pub(crate) gamma: f64,
             pub(crate) kt: f64,
@@ -27,13 +27,35 @@ macro_rules! row {
     };
 }
 
-row!(UniformInline, UniformLoops, { friction = self.gamma });
-row!(ListInline, ListLoops, { friction = [self.gamma, 0.0, 2.0 * self.gamma] });
-row!(PlaceInline, PlaceLoops, { friction = |q: [f64; 3]| q.map(|x| self.gamma * (1.0 + x * x)) });
-row!(MatrixInline, MatrixLoops, { damping = [[self.gamma, 0.1, 0.0], [0.1, 0.5, -0.2], [0.0, -0.2, 0.7]] });
-row!(MatrixPlaceInline, MatrixPlaceLoops, {
+row!(UniformInline, { friction = self.gamma }, UniformLoops, UniformInLoops, { friction = self.gamma });
+row!(ListInline, { friction = [self.gamma, 0.0, 2.0 * self.gamma] }, ListLoops, ListInLoops, {
+    friction = (0..N).map(|i| match i { 0 => self.gamma, 1 => 0.0, _ => 2.0 * self.gamma })
+});
+row!(PlaceInline, { friction = |q: [f64; 3]| q.map(|x| self.gamma * (1.0 + x * x)) }, PlaceLoops, PlaceInLoops, {
+    friction = |q: [f64; N]| q.map(|x| self.gamma * (1.0 + x * x))
+});
+row!(MatrixInline, { damping = [[self.gamma, 0.1, 0.0], [0.1, 0.5, -0.2], [0.0, -0.2, 0.7]] }, MatrixLoops, MatrixInLoops, {
+    damping = (0..N).map(|i| (0..N).map(|j| match (i, j) {
+        (0, 0) => self.gamma,
+        (1, 1) => 0.5,
+        (2, 2) => 0.7,
+        (0, 1) | (1, 0) => 0.1,
+        (1, 2) | (2, 1) => -0.2,
+        _ => 0.0,
+    }))
+});
+row!(MatrixPlaceInline, {
     damping =
         |[x, y, _z]: [f64; 3]| [[self.gamma + x * x, 0.1 * y, 0.0], [0.1 * y, 0.5, -0.2], [0.0, -0.2, 0.7]]
+}, MatrixPlaceLoops, MatrixPlaceInLoops, {
+    damping = |q: [f64; N]| (0..N).map(|i| (0..N).map(|j| match (i, j) {
+        (0, 0) => self.gamma + q[0] * q[0],
+        (1, 1) => 0.5,
+        (2, 2) => 0.7,
+        (0, 1) | (1, 0) => 0.1 * q[1],
+        (1, 2) | (2, 1) => -0.2,
+        _ => 0.0,
+    }))
 });
 
 fn same<E, A: Discretized<E>, B: Discretized<E>>(a: &A, b: &B) {
@@ -97,8 +119,10 @@ fn thermostats_read_what_was_declared() {
     }
 }
 
-row!(ForcedInline, ForcedLoops, {
+row!(ForcedInline, {
     friction = self.gamma, force = |_q: [f64; 3], _p: [f64; 3]| [1.0, 0.0, 0.0]
+}, ForcedLoops, ForcedInLoops, {
+    friction = self.gamma, force = |_q: [f64; N], _p: [f64; N]| (0..N).map(|i| if i == 0 { 1.0 } else { 0.0 })
 });
 
 #[test]

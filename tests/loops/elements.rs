@@ -17,7 +17,7 @@ use wzvi::prelude::*;
 use crate::lattice::Torus;
 use crate::one_by_one::later_allocations;
 
-/// Every system twice: with sums that stay loops, and unrolled with a literal size of 6 points.
+/// Every system twice: with sums that stay loops, and with a literal size of 3 points, which is unrolled.
 macro_rules! both_ways {
     (
         $sized:ident, $unrolled:ident, $point:ty, { $($field:ident : $ty:ty),* }, [$($embedding:ty),*],
@@ -33,9 +33,8 @@ macro_rules! both_ways {
         struct $sized { $($field: $ty),* }
 
         #[hamiltonian(
-            __strategy = inline,
-            drift = |$q: [$point; 6], $p: [$point; 6]| { let $n = $q.len(); $drift },
-            $(noise = [|$nq: [$point; 6], $np: [$point; 6]| $noise],)?
+            drift = |$q: [$point; 3], $p: [$point; 3]| { let $n = $q.len(); $drift },
+            $(noise = [|$nq: [$point; 3], $np: [$point; 3]| $noise],)?
             embedding = [$($embedding),*],
         )]
         #[derive(Clone)]

@@ -14,7 +14,7 @@ use wzvi::prelude::*;
 use wzvi::scalar::Dual;
 
 use crate::random::every_random_system;
-use crate::random::inline::*;
+use crate::random::literal::*;
 
 const SYMPLECTIC: f64 = 1e-12;
 const GRADIENT: f64 = 1e-12;

@@ -16,7 +16,7 @@ pub(crate) use self::index::{Atom, Bounds, Index, Loop, Operation, Outlier};
 use self::symbols::Symbols;
 use crate::diagnostics::{Extent, Located, promised};
 use crate::embedding::Embedding;
-use crate::input::{Emission, Labels, Shape};
+use crate::input::{Labels, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) mod display;
@@ -255,8 +255,6 @@ pub(crate) struct System {
     pub(crate) item: syn::ItemStruct,
     /// Path of the facade crate as the user's crate knows it, `::wzvi` by default.
     pub(crate) crate_path: syn::Path,
-    /// The form of emitted steps, where a test fixes it.
-    pub(crate) emission: Option<Emission>,
     /// The same with each degree of freedom a variable of its own, where it is written out.
     pub(crate) line: Option<Rc<StraightLine>>,
     /// Functions that repeat the user's closures for `rustc` to type-check at the user's spans; never called.

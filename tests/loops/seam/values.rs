@@ -15,7 +15,7 @@ use fixtures::extremes::state;
 use fixtures::schemes::Scheme;
 use fixtures::steps::segment;
 
-use crate::random::{every_random_array, every_random_system, inline, sweep};
+use crate::random::{every_random_array, every_random_system, generic, literal};
 
 const H: f64 = 1.0 / 64.0;
 const CASES: usize = 12;
@@ -292,11 +292,13 @@ macro_rules! check {
     ($test:ident, $name:ident { $($fields:tt)* }, $n:literal, [$($scheme:ty),*]) => {
         #[test]
         fn $test() {
-            let (a, b) = (inline::$name { $($fields)* }, sweep::$name { $($fields)* });
+            let (a, b) = (literal::$name { $($fields)* }, generic::$name { $($fields)* });
             let mut random = Random($n + stringify!($test).bytes().map(u64::from).sum::<u64>());
             let mut to = Comparison { name: stringify!($test), worst: 0.0 };
             compare_values::<$n, _, _>(&a, &b, &mut random, &mut to);
             $(
+                assert!(<literal::$name as Discretized<$scheme>>::IN_LOOPS.is_none(), "in loops");
+                assert!(<generic::$name as Discretized<$scheme>>::IN_LOOPS.is_some(), "in straight lines");
                 compare_scheme::<$scheme, $n, _, _>(&a, &b, &mut random, &mut to);
                 println!("{}: {}: at most {:.2} of the bound apart", to.name, stringify!($scheme), to.worst);
             )*

@@ -89,7 +89,7 @@ fn reuse_is_not_to_be_seen() {
     check_reuse::<Verlet, _>(&Pendulum, [&[0.3], &[0.2]]);
     check_reuse::<Verlet, _>(&Duffing, [&[0.3], &[0.2]]);
     check_reuse::<Composed<Verlet, KahanLi6>, _>(&HenonHeiles, [&[0.3, 0.1], &[0.2, 0.0]]);
-    check_reuse::<Verlet, _>(&sweep::Chain::<7>, [&[0.1, 0.2, 0.3, 0.1, 0.0, -0.1, -0.2], &[0.1; 7]]);
+    check_reuse::<Verlet, _>(&Chain::<7>, [&[0.1, 0.2, 0.3, 0.1, 0.0, -0.1, -0.2], &[0.1; 7]]);
 }
 
 /// `Verlet` is its two halves; where it is made of flows, up to the rounding of few operations with numbers below 2.
@@ -121,42 +121,32 @@ fn verlet_is_its_two_halves() {
 }
 
 macro_rules! chain {
-    ($strategy:ident) => {
-        pub(super) mod $strategy {
-            use wzvi::prelude::*;
-
-            /// With noise on every site.
-            #[hamiltonian(
-                __strategy = $strategy,
-                drift = |q: [f64; N], p: [f64; N]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
-                    + (0..N - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2) + 0.25 * (q[i + 1] - q[i]).powi(4)).sum::<f64>(),
-                embedding = Verlet,
-            )]
-            pub(crate) struct Chain<const N: usize>;
-
-            #[hamiltonian(
-                __strategy = $strategy,
-                drift = |q: [f64; 5], p: [f64; 5], t| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
-                    + (0..4).map(|i| 0.25 * (q[i + 1] - q[i]).powi(4)).sum::<f64>() + q[0] * t.sin(),
-                noise = [|q, _| 0.3 * q[1] * q[2], |_, p| 0.2 * p[3]],
-                embedding = Verlet,
-            )]
-            pub(crate) struct Noisy;
-        }
+    ($name:ident, [$($generics:tt)*], $state:ty) => {
+        #[hamiltonian(
+            drift = |q: $state, p: $state, t| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+                + (1..q.len()).map(|i| 0.25 * (q[i] - q[i - 1]).powi(4)).sum::<f64>() + q[0] * t.sin(),
+            noise = [|q, _| 0.3 * q[1] * q[2], |_, p| 0.2 * p[3]],
+            embedding = Verlet,
+        )]
+        struct $name$($generics)*;
     };
 }
 
-mod sweep_of {
-    chain!(sweep);
-    chain!(inline);
-}
-use sweep_of::{inline, sweep};
+chain!(Noisy, [], [f64; 5]);
+chain!(NoisyInLoops, [<const N: usize>], [f64; N]);
+
+#[hamiltonian(
+    drift = |q: [f64; N], p: [f64; N]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+        + (0..N - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2) + 0.25 * (q[i + 1] - q[i]).powi(4)).sum::<f64>(),
+    embedding = Verlet,
+)]
+struct Chain<const N: usize>;
 
 /// The steps of elements and of straight-line code.
 #[test]
 fn loops_are_what_they_would_be_written_out() {
     let start: [&[f64]; 2] = [&[0.1, 0.3, -0.2, 0.4, 0.0], &[0.2, -0.1, 0.3, 0.1, -0.4]];
-    let pair = (&inline::Noisy, &sweep::Noisy);
+    let pair = (&Noisy, &NoisyInLoops::<5>);
     // Roundings of some hundred operations with numbers below 1.
     assert!(apart::<Verlet, _, _>(pair, start, (0.1, 20), &[0.2, -0.07]) < 1e-14);
     assert!(apart::<Composed<Verlet, BlanesMoan6>, _, _>(pair, start, (0.1, 20), &[0.2, -0.07]) < 1e-14);
@@ -192,7 +182,7 @@ fn a_step_that_fails_changes_nothing() {
         assert!(dimension.is_err());
     }
     check::<Verlet, _>(&Duffing, 1);
-    check::<Composed<Verlet, BlanesMoan4>, _>(&sweep::Chain::<40>, 40);
+    check::<Composed<Verlet, BlanesMoan4>, _>(&Chain::<40>, 40);
 }
 
 #[test]

@@ -20,34 +20,29 @@ struct Apart;
 struct Together;
 
 macro_rules! pairs {
-    ($strategy:ident) => {
-        pub(super) mod $strategy {
-            use wzvi::prelude::*;
-
-            /// Oscillators that are mapped with their friction, a weak coupling, and a force that is.
-            #[hamiltonian(
-                __strategy = $strategy,
-                drift = [
-                    |q: [f64; 3], p: [f64; 3]| (0..3).map(|i| 0.5 * p[i] * p[i] + 0.5 * (1.0 + i as f64) * q[i] * q[i] + 0.1 * q[i]).sum::<f64>(),
-                    |q, _, t| (0..2).map(|i| 0.2 * (q[i + 1] - q[i]).powi(4)).sum::<f64>() + 0.1 * q[0] * (1.3 * t).sin(),
-                ],
-                friction = gamma,
-                force = |q, _, t| [0.3 * q[1], -0.2 * q[0], 0.1 * (0.8 * t).cos()],
-                embedding = [Verlet, Gauss<6>],
-            )]
-            pub(crate) struct Coupled {
-                pub(crate) gamma: f64,
-            }
+    ($name:ident, [$($generics:tt)*], $state:ty) => {
+        /// Oscillators that are mapped with their friction, a weak coupling, and a force that is.
+        #[hamiltonian(
+            drift = [
+                |q: $state, p: $state| (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.5 * (1.0 + i as f64) * q[i] * q[i] + 0.1 * q[i]).sum::<f64>(),
+                |q, _, t| (1..q.len()).map(|i| 0.2 * (q[i] - q[i - 1]).powi(4)).sum::<f64>() + 0.1 * q[0] * (1.3 * t).sin(),
+            ],
+            friction = gamma,
+            force = |q, _, t| (0..q.len()).map(|i| match i {
+                0 => 0.3 * q[1],
+                1 => -0.2 * q[0],
+                _ => 0.1 * (0.8 * t).cos(),
+            }),
+            embedding = [Verlet, Gauss<6>],
+        )]
+        struct $name$($generics)* {
+            gamma: f64,
         }
     };
 }
 
-mod strategies {
-    pairs!(inline);
-    pairs!(sweep);
-}
-
-use strategies::inline::Coupled;
+pairs!(Coupled, [], [f64; 3]);
+pairs!(CoupledInLoops, [<const N: usize>], [f64; N]);
 
 const AT: [&[f64]; 2] = [&[0.5, -0.3, 0.2], &[0.4, 0.1, -0.6]];
 
@@ -77,7 +72,7 @@ fn forced_and_damped_parts_have_the_order_of_their_table() {
 /// Loops are what they would be written out.
 #[test]
 fn loops_are_forced_and_damped_too() {
-    let pair = (&Coupled { gamma: 0.7 }, &strategies::sweep::Coupled { gamma: 0.7 });
+    let pair = (&Coupled { gamma: 0.7 }, &CoupledInLoops::<3> { gamma: 0.7 });
     // Maps of 6 numbers below 1, in 15 stages.
     assert!(step_apart::<Composed<Verlet, Aba864>, _, _>(pair, AT, [0.3, 0.4]) < 1e-14);
 }

@@ -40,29 +40,22 @@ struct Relativistic;
 struct Together;
 
 macro_rules! chain {
-    ($strategy:ident) => {
-        pub(super) mod $strategy {
-            use wzvi::prelude::*;
-
-            /// Springs from site to site, and weak anharmonic ones.
-            #[hamiltonian(
-                                __strategy = $strategy,
-                                drift = [
-                                    |q: [f64; 6], p: [f64; 6]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
-                                        + (0..5).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>(),
-                                    |q, _| (0..5).map(|i| 0.01 * (q[i + 1] - q[i]).powi(4)).sum::<f64>(),
-                                ],
-                                embedding = Verlet,
-                            )]
-            pub(crate) struct Chain;
-        }
+    ($name:ident, [$($generics:tt)*], $state:ty) => {
+        /// Springs from site to site, and weak anharmonic ones.
+        #[hamiltonian(
+            drift = [
+                |q: $state, p: $state| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+                    + (1..q.len()).map(|i| 0.5 * (q[i] - q[i - 1]).powi(2)).sum::<f64>(),
+                |q, _| (1..q.len()).map(|i| 0.01 * (q[i] - q[i - 1]).powi(4)).sum::<f64>(),
+            ],
+            embedding = Verlet,
+        )]
+        struct $name$($generics)*;
     };
 }
 
-mod chains {
-    chain!(inline);
-    chain!(sweep);
-}
+chain!(Chain, [], [f64; 6]);
+chain!(ChainInLoops, [<const N: usize>], [f64; N]);
 
 /// The distance from the exact end at `T = 4` after so many steps.
 fn error<E>(epsilon: f64, steps: u32) -> f64
@@ -125,7 +118,7 @@ fn a_separable_drift_has_its_parts() {
 #[test]
 fn loops_are_what_they_would_be_written_out() {
     let start: [&[f64]; 2] = [&[0.1, 0.3, -0.2, 0.4, 0.0, 0.2], &[0.2, -0.1, 0.3, 0.1, -0.4, 0.0]];
-    let (a, b) = (chains::inline::Chain, chains::sweep::Chain);
+    let (a, b) = (Chain, ChainInLoops::<6>);
     type Aba = Composed<Verlet, Aba864>;
     // Maps of 12 numbers below 1, in 15 stages.
     assert!(step_apart::<Aba, _, _>((&a, &b), start, [0.0, 0.5]) < 1e-14);

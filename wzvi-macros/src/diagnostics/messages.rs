@@ -55,7 +55,6 @@ messages! {
     attribute_of_function(attribute) = "this attribute is unknown, and could change the function after it was read; leave it \
         out, or write it above `#[hamiltonian_fn]`";
     expected_key(tokens) { keys = keys(); } = "expected `key = value`; the keys are {keys}";
-    unknown_strategy(name) = "unknown strategy `{name}`; there are `inline` and `sweep`";
     duplicate_key(key) = "`{key}` is given twice; merge the two";
     friction_and_damping(key) = "`friction` (rates, 1/time) and `damping` (a matrix, mass/time) describe the same \
         friction: keep one of them";

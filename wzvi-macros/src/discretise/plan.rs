@@ -45,10 +45,9 @@ pub(crate) enum Step {
 impl Step {
     /// The straight-line step, if the system is unrolled and loops do not cost less.
     pub(crate) fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
-        let System { graph, line, emission, .. } = system;
+        let System { graph, line, .. } = system;
         let scheme = line.clone().map(|line| (discretise(graph, &line, facts, embedding), line));
-        let pays = |scheme: &Scheme| emission.is_some() || !is_cheaper_swept(scheme);
-        match scheme.filter(|(scheme, _)| pays(scheme)) {
+        match scheme.filter(|(scheme, _)| !is_cheaper_swept(scheme)) {
             Some((scheme, line)) => Self::StraightLine(line, Box::new(scheme)),
             None => Self::InLoops(embedding.clone(), Strategy::of(system, facts, embedding)),
         }

@@ -13,9 +13,6 @@ use crate::diagnostics::{Diagnostics, Extent, Located, messages};
 use crate::embedding::{Embedding, listed};
 use crate::tokens::is_punct;
 
-/// Forces a form of the emitted steps: for tests that compare both forms.
-const STRATEGY: &str = "__strategy";
-
 /// The role of a closure over phase space, in the order in which phase spaces are checked.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Role {
@@ -58,8 +55,6 @@ pub(crate) struct Declaration {
     /// Where `Ito` is written, if noises are in that sense.
     pub(crate) ito: Option<Extent>,
     pub(crate) crate_path: Path,
-    /// The form of emitted steps, where a test fixes it.
-    pub(crate) emission: Option<Emission>,
     /// The shared functions that the closures call.
     pub(crate) library: Library,
 }
@@ -92,15 +87,6 @@ pub(crate) struct Given {
     pub(crate) tokens: TokenStream,
 }
 
-/// The form of the emitted code.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Emission {
-    /// As straight-line code, each degree of freedom a variable of its own.
-    Inline,
-    /// In loops.
-    Sweep,
-}
-
 /// A closure over phase space.
 pub(crate) struct Hamiltonian {
     pub(crate) role: Role,
@@ -119,10 +105,6 @@ struct Entry {
     value: TokenStream,
 }
 
-fn is_key(name: &str) -> bool {
-    messages::is_key(name) || name == STRATEGY
-}
-
 /// Reads the arguments of the attribute independently, so that a mistake in one does not hide others.
 pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Option<Declaration> {
     nesting::check(&attribute, diagnostics)?;
@@ -136,13 +118,12 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         all_embeddings_known: false,
         ito: None,
         crate_path: syn::parse_quote!(::wzvi),
-        emission: None,
         library: Library::default(),
     };
     let mut seen: Vec<String> = Vec::new();
     for entry in split_entries(attribute, diagnostics) {
         let mut key = entry.key.unraw().to_string();
-        if !is_key(&key) {
+        if !messages::is_key(&key) {
             diagnostics.report(match messages::is_of_ito(&entry.key) {
                 true => messages::key_of_ito(&entry.key),
                 false => messages::unknown_key(&entry.key),
@@ -192,7 +173,6 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
             declaration.all_embeddings_known = diagnostics.count() == before;
         }
         "calculus" => declaration.ito = diagnostics.accept(entry.parse(calculus)).flatten(),
-        STRATEGY => declaration.emission = diagnostics.accept(entry.parse(emission)),
         _ => {
             let path = entry.parse(Path::parse_mod_style);
             let path = path.map_err(|_| messages::not_a_path(&entry.value));
@@ -358,15 +338,6 @@ fn calculus(input: ParseStream<'_>) -> syn::Result<Option<Extent>> {
     }
 }
 
-fn emission(input: ParseStream<'_>) -> syn::Result<Emission> {
-    let name: Ident = input.parse()?;
-    match name.to_string().as_str() {
-        "inline" => Ok(Emission::Inline),
-        "sweep" => Ok(Emission::Sweep),
-        _ => Err(messages::unknown_strategy(&name)),
-    }
-}
-
 fn scheme_list(input: ParseStream<'_>) -> syn::Result<Vec<embeddings::Scheme>> {
     if !input.peek(token::Bracket) {
         return Ok(vec![input.parse()?]);
@@ -386,7 +357,7 @@ fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<E
         let before = position.checked_sub(1).map(|before| &tokens[before]);
         let mut at_start = before.is_none_or(|before| is_punct(before, ','));
         if let (TokenTree::Ident(key), Some(before)) = (&tokens[position], before)
-            && is_key(&key.to_string())
+            && messages::is_key(&key.to_string())
             && ends_operand(before)
             && is_assignment(&tokens[position + 1..])
         {

@@ -132,7 +132,6 @@ pub(crate) fn lower(
         embeddings: declaration.embeddings.into_iter().map(|(embedding, _)| embedding).collect(),
         item: container.item,
         crate_path: declaration.crate_path,
-        emission: declaration.emission,
         line: None,
         type_checks,
     })

@@ -10,7 +10,6 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use quote::quote;
 
 use crate::emit::terms::Indices;
-use crate::input::Emission;
 use crate::model::symbols::{Sum, Symbols};
 use crate::model::{
     Family, Index, Local, Loop, Noise, Parameter, Phase, Slot, StraightLine, System, Table, Term,
@@ -30,7 +29,7 @@ const OPERATIONS: usize = 20_000;
 
 /// Unrolls loops if that costs less.
 pub(crate) fn unroll(system: &mut System) {
-    if system.emission == Some(Emission::Sweep) || (is_small(system) && unroll_all(system)) {
+    if is_small(system) && unroll_all(system) {
         return;
     }
     let (mut writer, before, noise, after) = parts(system);
@@ -54,11 +53,7 @@ pub(super) fn parts(system: &mut System) -> (Writer<'_>, Vec<&mut Term>, &mut Ve
 
 /// Whether each degree of freedom becomes a separate variable.
 fn is_small(system: &System) -> bool {
-    match system.emission {
-        Some(Emission::Inline) => system.size.as_integer().is_some(),
-        Some(Emission::Sweep) => false,
-        None => system.size.as_integer().is_some_and(|points| points <= TURNS),
-    }
+    system.size.as_integer().is_some_and(|points| points <= TURNS)
 }
 
 /// Unrolls every loop and family; `false`, without changes, if that is impossible.
