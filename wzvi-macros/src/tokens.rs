@@ -1,6 +1,33 @@
-//! Token streams: the words in them, and streams like others.
+//! Token streams: the words in them, streams like others, and syntax that is compared by its text.
+
+use std::fmt;
 
 use proc_macro2::{Group, Ident, TokenStream, TokenTree};
+use quote::ToTokens;
+
+/// Syntax of the user that equals other syntax of the same text. The feature of syn that compares its types would take longer to compile.
+#[derive(Clone)]
+pub(crate) struct Written<T>(pub(crate) T);
+
+impl<T: ToTokens> PartialEq for Written<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.to_token_stream().to_string() == other.0.to_token_stream().to_string()
+    }
+}
+
+impl<T: ToTokens> Eq for Written<T> {}
+
+impl<T: ToTokens> fmt::Debug for Written<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.0.to_token_stream())
+    }
+}
+
+impl<T: ToTokens> ToTokens for Written<T> {
+    fn to_tokens(&self, tokens: &mut TokenStream) {
+        self.0.to_tokens(tokens);
+    }
+}
 
 /// Whether any identifier, in groups or not, is one of the given ones.
 pub(crate) fn any_word(tokens: TokenStream, is_wanted: &mut dyn FnMut(&Ident) -> bool) -> bool {

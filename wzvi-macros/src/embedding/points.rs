@@ -24,6 +24,7 @@
 //! maps, `pᵀA q`, are conserved with any points.
 
 use crate::symbolic::Rational;
+use crate::tokens::Written;
 
 /// Points `l` from 0 to 1 with their weights, which add up to 1.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -82,12 +83,12 @@ impl Points {
 /// Points that the user gave a type of the program.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Declared {
-    pub(crate) path: syn::Path,
+    pub(crate) path: Written<syn::Path>,
     pub(crate) points: Points,
 }
 
 impl Declared {
     pub(crate) fn name(&self) -> String {
-        self.path.segments.last().map_or_else(String::new, |last| last.ident.to_string())
+        self.path.0.segments.last().map_or_else(String::new, |last| last.ident.to_string())
     }
 }

@@ -7,6 +7,7 @@ use super::points::read_points;
 use super::system::literal;
 use crate::diagnostics::{Diagnostics, Extent, Located, messages};
 use crate::embedding::{Declared, Embedding, Kind, Letter, MOST_LETTERS, Word, listed, meant, names};
+use crate::tokens::Written;
 
 /// `Midpoint`, or `Trapezoidal = [(0, 1/2), (1, 1/2)]`.
 pub(super) struct Scheme {
@@ -43,7 +44,7 @@ pub(super) fn read_embeddings(
 /// The types with points of the user's, and the schemes; without those whose points were wrong, which has been reported.
 fn read_declared(schemes: Vec<Scheme>, diagnostics: &mut Diagnostics) -> (Vec<Declared>, Vec<Type>) {
     let mut declared: Vec<Declared> = Vec::new();
-    let (mut mistaken, mut types): (Vec<Path>, _) = (Vec::new(), Vec::new());
+    let (mut mistaken, mut types): (Vec<Written<Path>>, _) = (Vec::new(), Vec::new());
     for Scheme { ty, points } in schemes {
         let Some(points) = points else {
             types.push(ty);
@@ -67,13 +68,13 @@ fn read_declared(schemes: Vec<Scheme>, diagnostics: &mut Diagnostics) -> (Vec<De
 }
 
 /// The user's type `Rule` in `Rule` or `Corrected<Rule>`.
-fn of_program(ty: &Type) -> syn::Result<Path> {
+fn of_program(ty: &Type) -> syn::Result<Written<Path>> {
     let (name, arguments) = parts(ty)?;
     match (name.to_string().as_str(), arguments.as_deref(), ty) {
         ("Corrected" | "Uncorrected" | "Thermostat", Some([GenericArgument::Type(inner)]), _) => {
             of_program(inner)
         }
-        (name, None, Type::Path(path)) if names().all(|known| known != name) => Ok(path.path.clone()),
+        (name, None, Type::Path(path)) if names().all(|known| known != name) => Ok(Written(path.path.clone())),
         _ => Err(messages::points_of_other(ty)),
     }
 }
@@ -91,7 +92,8 @@ enum Inside {
 /// Checks that the scheme inside a wrapper has quadrature points for each term.
 fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Embedding> {
     if let Type::Path(path) = ty
-        && let Some(known) = declared.iter().find(|known| known.path == path.path)
+        && let path = Written(path.path.clone())
+        && let Some(known) = declared.iter().find(|known| known.path == path)
     {
         return Ok(Embedding::Declared(known.clone()));
     }

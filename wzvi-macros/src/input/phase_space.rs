@@ -10,6 +10,7 @@ use syn::{Pat, Type};
 use super::attribute::{Declaration, Hamiltonian, Role};
 use super::system::literal;
 use crate::diagnostics::{Diagnostics, messages, source};
+use crate::tokens::Written;
 
 /// Degrees of freedom that are variables of their own in the symbolic graph.
 const DEGREES: usize = 1024;
@@ -26,7 +27,7 @@ pub(crate) enum Shape {
 pub(crate) enum Length {
     Literal(usize),
     /// A constant or a const generic of the struct, as it was written.
-    Named(Box<syn::Expr>),
+    Named(Box<Written<syn::Expr>>),
     /// That of the state: `&[f64]`.
     RunTime,
 }
@@ -373,7 +374,7 @@ fn type_shape(ty: &Type) -> syn::Result<Shape> {
             Some(len) => Ok(Shape::Array(Box::new(element_shape(&array.elem)?), Length::Literal(len))),
             None => Ok(Shape::Array(
                 Box::new(element_shape(&array.elem)?),
-                Length::Named(Box::new(array.len.clone())),
+                Length::Named(Box::new(Written(array.len.clone()))),
             )),
         },
         Type::Reference(reference) => match &*reference.elem {

@@ -7,7 +7,6 @@ mod arrays;
 mod calls;
 mod control;
 mod covectors;
-mod dereference;
 mod floats;
 mod integers;
 mod interpreter;
@@ -159,7 +158,7 @@ impl<'s> Space<'s> {
             Shape::Array(point, length) => {
                 let size = match length {
                     Length::Literal(len) => Index::integer(*len as i128),
-                    Length::Named(expr) => tables.size(expr),
+                    Length::Named(expr) => tables.size(&expr.0),
                     Length::RunTime => Index::atom(Atom::Size),
                 };
                 (size, point.lengths().into_iter().map(|length| length as i128).collect())

@@ -7,7 +7,6 @@ use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::{Expr, ExprClosure, ExprRepeat, GenericParam, Generics, Member};
 
-use super::dereference::dereferenced;
 use super::scope::context;
 use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape, peeled};
 use crate::symbolic::NAMES;
@@ -35,17 +34,11 @@ pub(super) fn type_checks(
             quote!(#checks::entries::<#entry, _>)
         }
     };
-    let scalars = system.fields.iter().filter(|field| is_scalar(field));
-    let named =
-        scalars.filter_map(|field| if let Member::Named(name) = &field.member { Some(name) } else { None });
-    let scalars: Vec<&Ident> = named.collect();
     let closures = declaration.in_order().map(|closure| {
-        let plain = dereferenced(&closure.tokens, &scalars);
-        let rewritten = match (plain, closure.role.is_covector()) {
-            (plain, true) => with_entries(plain.as_ref().unwrap_or(&closure.closure), &entries),
-            (Some(plain), false) => plain.into_token_stream(),
+        let rewritten = match closure.role.is_covector() {
+            true => with_entries(&closure.closure, &entries),
             // Token for token.
-            (None, false) => closure.tokens.clone(),
+            false => closure.tokens.clone(),
         };
         takers.check(system, closure, untyped.as_reals(rewritten, &checks))
     });

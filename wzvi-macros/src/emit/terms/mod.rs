@@ -61,7 +61,7 @@ fn vector_type(model: &System) -> TokenStream {
     };
     let mut generics = model.item.generics.const_params();
     let is_generic = generics.any(|parameter| mentions(&quote!(#expr), &parameter.ident.to_string()));
-    match (is_generic, model.components, &**expr) {
+    match (is_generic, model.components, &expr.0) {
         (false, ..) => quote!(__wzvi::SVector<#f64, { #degrees }>),
         (true, 1, syn::Expr::Path(_)) => quote!(__wzvi::SVector<#f64, #expr>),
         _ => dynamic,

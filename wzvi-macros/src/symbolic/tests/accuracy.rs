@@ -79,13 +79,13 @@ fn expression(graph: &mut Graph, text: &syn::Expr, symbols: [Expr; 3]) -> Expr {
                 None => power(graph, of_what, &call.args[0]),
             }
         }
-        other => panic!("{other:?}"),
+        other => panic!("{}", quote::quote!(#other)),
     }
 }
 
 fn power(graph: &mut Graph, base: Expr, exponent: &syn::Expr) -> Expr {
     let syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Int(exponent), .. }) = exponent else {
-        panic!("{exponent:?}")
+        panic!("{}", quote::quote!(#exponent))
     };
     graph.power(base, Rational::integer(exponent.base10_parse().unwrap()))
 }
