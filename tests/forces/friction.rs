@@ -157,45 +157,66 @@ macro_rules! drawn {
     };
 }
 
-drawn!(List, { friction = [self.gamma, 0.5] }, ListLoops, ListInLoops, {
-    friction = (0..N).map(|i| if i == 0 { self.gamma } else { 0.5 })
-}, ListForce, {
-    force = |_q: [f64; 2], p: [f64; 2]| [-self.gamma * p[0], -0.5 * p[1]]
-});
-drawn!(Place, { friction = |q: [f64; 2]| [self.gamma * q[0] * q[0], 0.5] }, PlaceLoops, PlaceInLoops, {
-    friction = |q: [f64; N]| (0..N).map(|i| if i == 0 { self.gamma * q[0] * q[0] } else { 0.5 })
-}, PlaceForce, {
-    force = |q: [f64; 2], p: [f64; 2]| [-self.gamma * q[0] * q[0] * p[0], -0.5 * p[1]]
-});
-drawn!(Matrix, { damping = [[self.gamma, 0.2], [0.2, 0.5]] }, MatrixLoops, MatrixInLoops, {
-    damping = (0..N).map(|i| (0..N).map(|j| match (i, j) { (0, 0) => self.gamma, (1, 1) => 0.5, _ => 0.2 }))
-}, MatrixForce, {
-    force = |_q: [f64; 2], p: [f64; 2]| {
-        [-self.gamma * p[0] / self.m - 0.2 * p[1], -0.2 * p[0] / self.m - 0.5 * p[1]]
-    }
-});
 drawn!(
-    MatrixPlace,
-    { damping = |q: [f64; 2]| [[self.gamma * q[1] * q[1], 0.2 * q[0]], [0.2 * q[0], 0.5]] },
-    MatrixPlaceLoops,
-    MatrixPlaceInLoops,
+    List,
+    { friction = [self.gamma, 0.5] },
+    ListLoops,
+    ListInLoops,
+    { friction = (0..N).map(|i| if i == 0 { self.gamma } else { 0.5 }) },
+    ListForce,
+    { force = |_q: [f64; 2], p: [f64; 2]| [-self.gamma * p[0], -0.5 * p[1]] }
+);
+drawn!(
+    Place,
+    { friction = |q: [f64; 2]| [self.gamma * q[0] * q[0], self.gamma * q[1] * q[1]] },
+    PlaceLoops,
+    PlaceInLoops,
+    { friction = |q: [f64; N]| q.map(|x| self.gamma * x * x) },
+    PlaceForce,
     {
-        damping = |q: [f64; N]| (0..N).map(|i| (0..N).map(|j| match (i, j) {
-            (0, 0) => self.gamma * q[1] * q[1],
-            (1, 1) => 0.5,
-            _ => 0.2 * q[0],
-        }))
+        force =
+            |q: [f64; 2], p: [f64; 2]| [-self.gamma * q[0] * q[0] * p[0], -self.gamma * q[1] * q[1] * p[1]]
+    }
+);
+drawn!(
+    Matrix,
+    { damping = [[self.gamma, 0.2], [0.2, 0.5]] },
+    MatrixLoops,
+    MatrixInLoops,
+    {
+        damping = (0..N).map(move |i| {
+            (0..N).map(move |j| {
+                if i != j {
+                    0.2
+                } else if i == 0 {
+                    self.gamma
+                } else {
+                    0.5
+                }
+            })
+        })
     },
-    MatrixPlaceForce,
+    MatrixForce,
     {
-        force = |q: [f64; 2], p: [f64; 2]| {
-            [
-                -self.gamma * q[1] * q[1] * p[0] / self.m - 0.2 * q[0] * p[1],
-                -0.2 * q[0] * p[0] / self.m - 0.5 * p[1],
-            ]
+        force = |_q: [f64; 2], p: [f64; 2]| {
+            [-self.gamma * p[0] / self.m - 0.2 * p[1], -0.2 * p[0] / self.m - 0.5 * p[1]]
         }
     }
 );
+
+/// A constant matrix whose size only the state knows.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| 0.5 * p[0] * p[0] / self.m + 0.5 * p[1] * p[1] - (q[1] - q[0]).cos(),
+    damping = |q: &[f64]| {
+        let n = q.len();
+        (0..n).map(move |i| (0..n).map(move |j| self.matrix[i][j]))
+    },
+    embedding = [DeltaPlus, Midpoint, Gauss<2>],
+)]
+struct MatrixOfState {
+    m: f64,
+    matrix: Vec<Vec<f64>>,
+}
 
 #[test]
 fn other_friction_is_the_force_that_it_is() {
@@ -207,7 +228,8 @@ fn other_friction_is_the_force_that_it_is() {
         )*};
     }
     same!(List ListForce, ListLoops ListForce, Place PlaceForce, PlaceLoops PlaceForce, Matrix MatrixForce, MatrixLoops MatrixForce);
-    same!(MatrixPlace MatrixPlaceForce, MatrixPlaceLoops MatrixPlaceForce);
+    let of_state = MatrixOfState { m: 1.4, matrix: vec![vec![0.7, 0.2], vec![0.2, 0.5]] };
+    same_by!(&of_state, &MatrixForce { m: 1.4, gamma: 0.7 }, start, &[], DeltaPlus, Midpoint, Gauss<2>);
 }
 
 #[test]

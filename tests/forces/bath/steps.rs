@@ -199,10 +199,11 @@ fn sites_without_friction_are_left_alone() {
 #[test]
 fn friction_of_a_place_is_that_of_a_constant_there() {
     let mass = Matrix2::new(0.6, 0.0, 0.0, 2.0);
-    // Of rank one at the origin of x, if y is 0.
+    // Without friction of one mass where y is 0.
     for place in [[0.0, -0.7], [0.4, 0.3], [0.0, 0.0]] {
         let rough = RoughPlane { m: 0.6, n: 2.0, k: 0.0, kt: 1.1 };
-        let damping = RoughPlane::friction(place[0], place[1]);
+        let [of_x, of_y] = RoughPlane::rates(place[0], place[1]);
+        let damping = [[0.6 * of_x, 0.0], [0.0, 2.0 * of_y]];
         let flat = Coupled { m: 0.6, n: 2.0, k: 0.0, damping, kt: 1.1 };
         let (there, here) = (map_at(&rough, 0.2, place, &mass), map_at(&flat, 0.2, place, &mass));
         // The place itself is rounded.

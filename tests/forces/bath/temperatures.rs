@@ -79,24 +79,6 @@ struct MatrixOfField {
     t2: f64,
 }
 
-/// A diagonal matrix of the place.
-#[hamiltonian(
-    drift = |[x, y], [px, py]| 0.25 * px * px + 2.0 * py * py + 0.5 * (x - y).powi(2) + 0.5 * x * x,
-    damping = |[x, y]| [[1.0 + x * x, 0.0], [0.0, 0.3 * y * y]],
-    temperature = [2.0, 0.5],
-    embedding = Baoab,
-)]
-struct MatrixOfPlace;
-
-/// The same by rates.
-#[hamiltonian(
-    drift = |[x, y], [px, py]| 0.25 * px * px + 2.0 * py * py + 0.5 * (x - y).powi(2) + 0.5 * x * x,
-    friction = |[x, y]| [0.5 * (1.0 + x * x), 1.2 * y * y],
-    temperature = [2.0, 0.5],
-    embedding = Baoab,
-)]
-struct RatesOfPlace;
-
 type FirstO = Splitting<(O, A, B)>;
 
 /// Free particles whose friction, masses or both are matrices, at a temperature of the time.
@@ -122,11 +104,6 @@ heated!(
     damping = [[1.1, 0.4], [0.4, 0.6]]
 );
 heated!(RatesByPlace, drift = |[x, y], [px, py]| px * px + 0.5 * py * py, friction = |[x, y]| [x, 3.0 * y]);
-heated!(
-    MatrixByPlace,
-    drift = |[x, y], [px, py]| px * px + 0.5 * py * py + 0.3 * px * py,
-    damping = |[x, y]| [[1.0 + x, y], [y, 1.0]]
-);
 
 /// One temperature in three spellings.
 macro_rules! spelled {
@@ -399,9 +376,6 @@ fn diagonal_friction_matrices_have_temperatures_by_site() {
     assert_eq!(end!(Baoab, MatrixOfField { gamma, t2 }), end!(Baoab, DiagonalRates { g, t2 }));
     type Around = Thermostat<Midpoint>;
     assert_eq!(end!(Around, DiagonalMatrix { g, t2 }), end!(Around, DiagonalRates { g, t2 }));
-    let (ours, theirs) = (end!(Baoab, MatrixOfPlace), end!(Baoab, RatesOfPlace));
-    assert!((ours.0.q - theirs.0.q).norm() < 1e-13 && (ours.0.p - theirs.0.p).norm() < 1e-13);
-    assert!((ours.1[1] - theirs.1[1]).abs() < 1e-13);
     let coupled = MatrixOfField { gamma: [[1.4, 0.1], [0.1, g]], t2 };
     match coupled.stepper::<Baoab>(0.1).map(drop).unwrap_err() {
         ConfigError::Bath(BathError::Coupled { entry: [0, 1] }) => {}
@@ -473,7 +447,6 @@ fn matrices_have_the_exact_law_under_a_linear_temperature() {
     check!(OneRate, of_rate(0.9), coupled);
     check!(OneRateOfPlace, of_rate(0.65), coupled);
     check!(Matrix, [[1.1, 0.4], [0.4, 0.6]], coupled);
-    check!(MatrixByPlace, [[1.4, 0.25], [0.25, 1.0]], coupled);
     check!(RatesByPlace, [[0.4 / 2.0, 0.0], [0.0, 0.75]], apart);
 }
 

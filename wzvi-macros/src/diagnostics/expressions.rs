@@ -84,8 +84,9 @@ messages! {
         is known to check it by";
     number_of_sites(found) = "the number of sites with a temperature is an integer, a constant or a field, as in \
         `temperature = [|i| t0 + dt * i as f64; N]`";
-    damping_closure(closure) = "`damping` is a matrix of expressions of fields, or a closure of the coordinates, \
-        `|q| [[...]]`; write friction that depends on momenta or the time as a force, without a temperature";
+    damping_closure(closure) = "`damping` is a constant matrix of expressions of fields, `[[...]]`; where only the state \
+        knows its size, `|q| (0..q.len()).map(...)` of rows; write friction that depends on momenta or the time as a \
+        force, without a temperature";
     /// A name in `friction`, `damping` or `temperature` that no field has.
     unknown_name_of_key(name, fields: &[String], remedy: &str) {
         list = listed_fields(fields, "the struct has no fields");

@@ -48,10 +48,9 @@ messages! {
         two momenta; write one rate for all of them, or the symmetric matrix `damping = [[...]]` (mass/time)";
     asymmetric_damping(found) = "a damping matrix is symmetric: entries across the diagonal are equal; write \
         a part that is not symmetric as `force = |q, p| [...]`";
-    /// A damping matrix of the coordinates whose symmetry is not proven.
-    damping_not_seen_symmetric(found) = "a damping matrix that depends on the coordinates must be visibly \
-        symmetric: write the same expressions, of the same fields, across the diagonal, without loops of a length \
-        that the compiler does not know; write a part that is not symmetric as `force = |q, p| [...]`";
+    damping_of_place(found) = "a damping matrix does not depend on the coordinates; write rates by degree of freedom, which \
+        may, as `friction = |q| [...]` (1/time), or, without a temperature, the matrix as a force, `force = |q, p| [...]` with the \
+        value `-Γ(q) M⁻¹ p`";
     /// A product with inverse masses whose indices the compiler cannot write.
     damping_of_elements(found) = "this damping cannot be written as a force: its indices exceed 128 bits; write it \
         as `force`";

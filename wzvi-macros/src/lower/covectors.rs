@@ -55,7 +55,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         };
         let advice = match (is_matrix, coordinates) {
             (_, Some(_)) => None,
-            (true, None) => Some("a matrix of the coordinates is a closure, `damping = |q| [[...]]`"),
+            (true, None) => Some(
+                "a damping matrix is constant; rates of the coordinates are a closure, `friction = |q| [...]`",
+            ),
             (false, None) => Some("friction of the coordinates is a closure, `friction = |q| ...`"),
         };
         let (mut uniform, mut is_one_rate) = (None, false);

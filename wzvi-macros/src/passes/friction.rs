@@ -62,12 +62,10 @@ fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics
         diagnostics.report(messages::temperatures_of_coupled_momenta(extent));
     }
     if friction.is_matrix {
-        match symmetry(system, &friction.term) {
-            Symmetry::Proven => {}
-            // Entries of fields are compared when a stepper is made, but not again for each state.
-            Symmetry::OfFields if !friction.is_per_place() => {}
-            Symmetry::OfFields => diagnostics.report(messages::damping_not_seen_symmetric(extent)),
-            Symmetry::Refuted => diagnostics.report(messages::asymmetric_damping(extent)),
+        if friction.is_per_place() {
+            diagnostics.report(messages::damping_of_place(extent));
+        } else if is_asymmetric(system, &friction.term) {
+            diagnostics.report(messages::asymmetric_damping(extent));
         }
     }
 }
@@ -95,16 +93,9 @@ fn reads_lists(graph: &Graph, element: &Element, entry: Expr) -> bool {
     element.locals.iter().filter(is_of_list).any(|local| graph.depends_on(entry, &[local.symbol]))
 }
 
-/// The symmetry of a matrix, as far as it is known.
-enum Symmetry {
-    Proven,
-    /// It depends on fields.
-    OfFields,
-    Refuted,
-}
-
-/// Whether `Γ_ij` and `Γ_ji` are the same expressions.
-fn symmetry(system: &mut System, matrix: &Term) -> Symmetry {
+/// Whether `Γ_ij` and `Γ_ji` are known to differ: both are without loops, and neither reads a list. The run
+/// time compares other entries when a stepper is made.
+fn is_asymmetric(system: &mut System, matrix: &Term) -> bool {
     let graph = &mut system.graph;
     let mut entries = Vec::new();
     for element in matrix.elements.iter().filter(|element| element.loops.is_empty()) {
@@ -119,11 +110,7 @@ fn symmetry(system: &mut System, matrix: &Term) -> Symmetry {
             }
         }
     }
-    let mut found = match matrix.elements.iter().all(|element| element.loops.is_empty()) {
-        true => Symmetry::Proven,
-        false => Symmetry::OfFields,
-    };
-    for (i, j, entry, reads_fields) in &entries {
+    entries.iter().any(|(i, j, entry, reads_fields)| {
         let across = entries.iter().find(|(row, column, ..)| row == j && column == i);
         let (is_same, others_read) = match across {
             Some((.., other, others_read)) => {
@@ -132,13 +119,8 @@ fn symmetry(system: &mut System, matrix: &Term) -> Symmetry {
             }
             None => (false, false),
         };
-        match (is_same, *reads_fields || others_read) {
-            (true, _) => {}
-            (false, true) => found = Symmetry::OfFields,
-            (false, false) => return Symmetry::Refuted,
-        }
-    }
-    found
+        !is_same && !reads_fields && !others_read
+    })
 }
 
 /// Adds `-G p` or `-Γ M⁻¹ p` to the force.

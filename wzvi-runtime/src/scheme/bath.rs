@@ -144,7 +144,7 @@ pub struct Friction {
     pub is_timed: bool,
     /// Whether the friction is the matrix `Γ` (mass/time), and not rates (1/time).
     pub is_matrix: bool,
-    /// Whether it depends on the coordinates.
+    /// Whether rates depend on the coordinates. A matrix does not.
     pub is_per_state: bool,
     /// Whether `M` is diagonal. If it is not, all rates are equal.
     pub has_diagonal_masses: bool,

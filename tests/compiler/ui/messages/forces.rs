@@ -40,7 +40,7 @@ struct NotSeparable;
 struct Asymmetric;
 
 #[hamiltonian(drift = |[x, y], [px, py]| 0.5 * (px * px + py * py), damping = |[x, y]| [[1.0, a[0] * x], [b * x, 1.0]], embedding = Midpoint)]
-struct PerhapsSymmetric {
+struct DampingOfPlace {
     a: [f64; 1],
     b: f64,
 }

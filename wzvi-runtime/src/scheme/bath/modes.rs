@@ -127,26 +127,23 @@ impl<K: Constant> Factors<K> {
 }
 
 /// `Γ` and its modes, in place in three matrices.
-pub(super) struct Modes<'r, S> {
+pub(super) struct Modes<'r, K> {
     /// `Γ`, then `Λ` on the diagonal.
-    pub(super) rates: &'r mut [S],
+    pub(super) rates: &'r mut [K],
     /// `V`
-    pub(super) vectors: &'r mut [S],
+    pub(super) vectors: &'r mut [K],
     /// `W`
-    pub(super) modes: &'r mut [S],
+    pub(super) modes: &'r mut [K],
 }
 
-impl<S: Scalar> Modes<'_, S> {
+impl<K: Constant> Modes<'_, K> {
     /// Solves for the modes of the friction in `rates`.
     ///
     /// # Errors
     /// The smallest rate, if it is negative.
-    pub(super) fn solve<K: Constant>(&mut self, mass: &Factors<K>, d: usize) -> Result<(), f64>
-    where
-        S: Over<K>,
-    {
+    pub(super) fn solve(&mut self, mass: &Factors<K>, d: usize) -> Result<(), f64> {
         let Self { rates, vectors, modes } = self;
-        let zero = S::from_f64(0.0);
+        let zero = K::from_f64(0.0);
         // Γ C, then Cᵀ Γ C.
         for i in 0..d {
             for k in 0..d {
@@ -178,57 +175,29 @@ impl<S: Scalar> Modes<'_, S> {
     }
 
     /// The smallest rate `μ` and the common factor `e^{-s μ}`; 0 and 1 for [`Decay::Cayley`].
-    pub(super) fn slowest<K: Constant>(&self, bath: &Bath<K>, d: usize) -> (S, S)
-    where
-        S: Over<K>,
-    {
+    pub(super) fn slowest(&self, bath: &Bath<K>, d: usize) -> (K, K) {
         if bath.decay == Decay::Cayley {
-            return (S::from_f64(0.0), S::from_f64(1.0));
+            return (K::from_f64(0.0), K::from_f64(1.0));
         }
         let smallest = (1..d).fold(self.rates[0], |least, k| least.min(self.rates[k * (d + 1)]));
         (smallest, (-(smallest * bath.time)).exp())
     }
 
     /// `1 - E` of the rate `λ_k - μ`
-    pub(super) fn faster<K: Constant>(&self, bath: &Bath<K>, smallest: S, k: usize, d: usize) -> S
-    where
-        S: Over<K>,
-    {
+    pub(super) fn faster(&self, bath: &Bath<K>, smallest: K, k: usize, d: usize) -> K {
         bath.lost(self.rates[k * (d + 1)] - smallest)
     }
 
     /// `W⁻¹` at row `k` and column `j`
-    pub(super) fn inverse<K: Constant>(&self, mass: &Factors<K>, [k, j]: [usize; 2], d: usize) -> S
-    where
-        S: Over<K>,
-    {
-        let zero = S::from_f64(0.0);
+    pub(super) fn inverse(&self, mass: &Factors<K>, [k, j]: [usize; 2], d: usize) -> K {
+        let zero = K::from_f64(0.0);
         (0..=j).fold(zero, |sum, i| sum + self.vectors[i * d + k] * mass.lower[j * d + i])
     }
 
     /// Replaces `W` by `R / √h`.
-    pub(super) fn deviation<K: Constant>(&mut self, bath: &Bath<K>, d: usize)
-    where
-        S: Over<K>,
-    {
-        self.scale(|rate| bath.mode(rate).1, d);
-    }
-
-    /// The same at the temperatures of both ends of the O part.
-    pub(super) fn deviation_between<K: Constant>(&mut self, bath: &Bath<K>, [first, last]: [S; 2], d: usize)
-    where
-        S: Over<K>,
-    {
-        let deviation = |rate: S| {
-            let [of_first, of_last] = bath.ramp(rate).1;
-            (first * of_first + last * of_last).sqrt()
-        };
-        self.scale(deviation, d);
-    }
-
-    fn scale(&mut self, deviation: impl Fn(S) -> S, d: usize) {
+    pub(super) fn deviation(&mut self, bath: &Bath<K>, d: usize) {
         for k in 0..d {
-            let deviation = deviation(self.rates[k * (d + 1)]);
+            let deviation = bath.mode(self.rates[k * (d + 1)]).1;
             for row in self.modes.chunks_exact_mut(d) {
                 row[k] = row[k] * deviation;
             }

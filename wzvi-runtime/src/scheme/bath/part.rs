@@ -227,7 +227,7 @@ impl<S: Scalar> Memory<S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn fit<T: Elements>(&mut self, degrees: usize) {
-        let room = Relaxation::<f64>::room::<T>(degrees);
+        let room = 2 * degrees;
         if self.room.numbers.len() != room {
             self.room.numbers.resize(room, S::from_f64(0.0));
         }

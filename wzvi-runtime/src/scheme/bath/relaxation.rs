@@ -37,16 +37,17 @@ pub(super) enum Relaxation<K = f64> {
         /// As of [`Diagonal`], of modes; `deviation` is then that of modes with the noise 1.
         ramp: Option<[Vec<K>; 2]>,
     },
-    /// Friction that depends on the state.
+    /// Rates that depend on the state.
     Frozen(Frozen<K>),
 }
 
-/// The constants of an O part with friction that depends on the state.
+/// The constants of an O part with rates that depend on the state.
 #[derive(Clone, Debug)]
 pub(super) struct Frozen<K = f64> {
-    /// A list if rates and masses are lists, else a matrix.
+    /// A list if masses are a list, else a matrix.
     inverse_mass: Vec<K>,
-    mass: Factors<K>,
+    /// The lower triangular `L` with `M = L Lᵀ`; empty if masses are a list.
+    mass: Vec<K>,
     bath: Bath<K>,
     /// All parameters, where they have derivatives.
     parameters: Vec<K>,
@@ -55,7 +56,7 @@ pub(super) struct Frozen<K = f64> {
 /// The scratch of an O part.
 #[derive(Debug, Default)]
 pub(super) struct Room<S> {
-    /// As many as [`Relaxation::room`].
+    /// Two per degree of freedom.
     pub(super) numbers: Vec<S>,
     columns: PairColumns,
 }
@@ -120,7 +121,7 @@ impl<K: Constant> Relaxation<K> {
                 return Err(BathError::Mass { degree, inverse: inverse_mass[degree].lane(0) });
             }
             let parameters = parameters.to_vec();
-            return Ok(Self::Frozen(Frozen { mass, inverse_mass, bath, parameters }));
+            return Ok(Self::Frozen(Frozen { mass: mass.mass, inverse_mass, bath, parameters }));
         }
         match (!friction.is_list() && friction.is_matrix, friction.has_diagonal_masses) {
             (false, true) if friction.is_timed => ramped(&gamma, inverse_mass, &bath),
@@ -141,16 +142,6 @@ impl<K: Constant> Relaxation<K> {
         let mut temperature = [zero];
         friction.temperatures(of, Scalar::from_f64(0.0), &mut temperature)?;
         Ok(temperature[0])
-    }
-
-    /// The length of the scratch of [`Relaxation::apply`].
-    pub(super) fn room<T: Elements>(degrees: usize) -> usize {
-        let friction = Damped::<T>::FRICTION;
-        if friction.is_per_state && friction.is_matrix {
-            3 * degrees * degrees + 2 * degrees
-        } else {
-            2 * degrees
-        }
     }
 
     /// Whether there is no friction.
@@ -211,21 +202,7 @@ impl<K: Constant> Relaxation<K> {
                 momenta.replace::<C, K>(&room.numbers[..d], inverse_mass)
             }
             Self::Frozen(frozen) => {
-                if const { Damped::<T>::FRICTION.is_matrix && !Damped::<T>::FRICTION.is_list() } {
-                    frozen.apply_matrix::<T, S, C>(
-                        (system, S::varied(&frozen.parameters)),
-                        momenta,
-                        driving,
-                        room,
-                    )?
-                } else {
-                    frozen.apply_rates::<T, S, C>(
-                        (system, S::varied(&frozen.parameters)),
-                        momenta,
-                        driving,
-                        room,
-                    )?
-                }
+                frozen.apply::<T, S, C>((system, S::varied(&frozen.parameters)), momenta, driving, room)?
             }
         })
     }
@@ -510,7 +487,7 @@ impl<K: Constant> Frozen<K> {
 
     /// Rates by degree of freedom, or one rate with a mass matrix.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn apply_rates<T: Elements, S: Over<K>, C: Carry<S>>(
+    fn apply<T: Elements, S: Over<K>, C: Carry<S>>(
         &self,
         system: (&T, &[S::Constant]),
         mut momenta: Momenta<'_, S>,
@@ -523,16 +500,7 @@ impl<K: Constant> Frozen<K> {
             Some([*first.get(degree)?, *last.get(degree)?])
         };
         let (rates, new) = numbers.split_at_mut(momenta.p.len());
-        if const { Damped::<T>::FRICTION.is_matrix } {
-            let gamma = &mut new[..rates.len() * rates.len()];
-            Damped::<T>::FRICTION.damping(system, momenta.q, gamma, columns);
-            check_diagonal(gamma, rates.len()).map_err(StepFailure::Bath)?;
-            for (degree, rate) in rates.iter_mut().enumerate() {
-                *rate = gamma[degree * momenta.p.len() + degree] * self.inverse_mass[degree];
-            }
-        } else {
-            Damped::<T>::FRICTION.damping(system, momenta.q, rates, columns);
-        }
+        Damped::<T>::FRICTION.damping(system, momenta.q, rates, columns);
         if Damped::<T>::FRICTION.has_diagonal_masses {
             let constants =
                 rates.iter().zip(&self.inverse_mass).enumerate().map(|(degree, (&rate, &inverse))| {
@@ -543,45 +511,10 @@ impl<K: Constant> Frozen<K> {
         }
         let Some(&rate) = rates.first() else { return Ok(S::from_f64(0.0)) };
         let (decay, noise) = self.mode(rate, ends(0))?;
-        let masses = self.mass.mass.chunks_exact(momenta.p.len());
+        let masses = self.mass.chunks_exact(momenta.p.len());
         for (i, (new, mass)) in new.iter_mut().zip(masses).enumerate() {
             *new = momenta.p[i] * decay + momenta.with_noise(S::from_f64(0.0), i, mass) * noise;
         }
         Ok(momenta.replace::<C, K>(new, &self.inverse_mass))
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn apply_matrix<T: Elements, S: Over<K>, C: Carry<S>>(
-        &self,
-        system: (&T, &[S::Constant]),
-        mut momenta: Momenta<'_, S>,
-        driving: &[S],
-        Room { numbers, columns }: &mut Room<S>,
-    ) -> Result<S, StepFailure> {
-        let (zero, d) = (S::from_f64(0.0), momenta.p.len());
-        let (rates, room) = numbers.split_at_mut(d * d);
-        let (vectors, room) = room.split_at_mut(d * d);
-        let (modes, room) = room.split_at_mut(d * d);
-        let (along, new) = room.split_at_mut(d);
-        Damped::<T>::FRICTION.damping(system, momenta.q, rates, columns);
-        let mut found = Modes { rates, vectors, modes };
-        found.solve(&self.mass, d).map_err(negative)?;
-        let (smallest, slowest) = found.slowest(&self.bath, d);
-        for (k, along) in along.iter_mut().enumerate() {
-            let own = (0..d).fold(zero, |sum, j| sum + found.inverse(&self.mass, [k, j], d) * momenta.p[j]);
-            *along = found.faster(&self.bath, smallest, k, d) * own;
-        }
-        for (i, new) in new.iter_mut().enumerate().take(d) {
-            let lost = (0..d).fold(zero, |sum, k| sum + found.modes[i * d + k] * along[k]);
-            *new = slowest * (momenta.p[i] - lost);
-        }
-        match driving {
-            [first, last] => found.deviation_between(&self.bath, [*first, *last], d),
-            _ => found.deviation(&self.bath, d),
-        }
-        for (i, (new, row)) in new.iter_mut().zip(found.modes.chunks_exact(d)).enumerate() {
-            *new = momenta.with_noise(*new, i, row);
-        }
-        Ok(momenta.replace::<C, K>(&new[..d], &self.inverse_mass))
     }
 }
