@@ -14,6 +14,7 @@ mod embedding;
 mod emit;
 mod functions;
 mod input;
+mod key;
 mod lower;
 mod model;
 mod passes;

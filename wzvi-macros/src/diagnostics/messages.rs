@@ -8,11 +8,9 @@ use quote::ToTokens;
 use syn::{Error, Item};
 
 use super::{at, closest, quoted, source, suggest};
+use crate::key::Key;
 use crate::symbolic::{Rational, Special};
 
-/// The keys that users know, with spaces between them.
-const KEYS: &str =
-    "drift noise force noise_force friction damping temperature calculus embedding invariant crate";
 const PATTERNS: &str = "the supported patterns are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -120,7 +118,7 @@ messages! {
     no_scheme(list, schemes: &str) = "this list is empty; list at least one scheme of {schemes}";
     unknown_key(key) {
         word = key.to_string();
-        meant = suggest(intended_key(&word));
+        meant = suggest(intended_key(&word).map(Key::name));
         keys = keys();
     } = "unknown key `{word}`; the keys are {keys}{meant}";
     unknown_embedding(name, meant: Option<&str>, schemes: &str) {
@@ -188,9 +186,20 @@ pub(crate) fn not_a_struct(item: &Item) -> Error {
     }
 }
 
-/// The key that `key` may stand for.
-pub(crate) fn intended_key(key: &str) -> Option<&'static str> {
-    closest(key, KEYS.split(' ')).or_else(|| synonym(key))
+/// The key that a misspelled name may stand for.
+pub(crate) fn intended_key(name: &str) -> Option<Key> {
+    closest(name, Key::ALL.iter().map(|key| key.name())).and_then(Key::named).or_else(|| synonym(name))
+}
+
+/// What other texts call the same thing.
+fn synonym(name: &str) -> Option<Key> {
+    match name {
+        "hamiltonian" | "energy" | "h" | "H" | "h0" | "H0" => Some(Key::Drift),
+        "diffusion" | "stochastic" => Some(Key::Noise),
+        "scheme" | "schemes" | "method" | "integrator" | "quadrature" => Some(Key::Embedding),
+        "integral" | "first_integral" | "conserved" | "casimir" => Some(Key::Invariant),
+        _ => None,
+    }
 }
 
 const STRATONOVICH: &str = "noises are in the sense of Stratonovich; for an equation in the sense of Ito write the key `calculus = Ito`, which \
@@ -209,23 +218,12 @@ pub(crate) fn is_composition(name: &str) -> bool {
     NAMES.split(' ').any(|known| known == name)
 }
 
-/// The key that other texts call `key`.
-fn synonym(key: &str) -> Option<&'static str> {
-    match key {
-        "hamiltonian" | "energy" | "h" | "H" | "h0" | "H0" => Some("drift"),
-        "diffusion" | "stochastic" => Some("noise"),
-        "scheme" | "schemes" | "method" | "integrator" | "quadrature" => Some("embedding"),
-        "integral" | "first_integral" | "conserved" | "casimir" => Some("invariant"),
-        _ => None,
-    }
-}
-
-pub(crate) fn missing_key(key: &str) -> Error {
+pub(crate) fn missing_key(key: Key) -> Error {
     let example = match key {
-        "drift" => "drift = |q, p| 0.5 * p * p + 0.5 * q * q",
+        Key::Drift => "drift = |q, p| 0.5 * p * p + 0.5 * q * q",
         _ => "embedding = Midpoint",
     };
-    Error::new(Span::call_site(), format!("`{key}` is missing; for example `{example}`"))
+    Error::new(Span::call_site(), format!("`{}` is missing; for example `{example}`", key.name()))
 }
 
 /// A program that reaches the macros through another crate.
@@ -237,10 +235,7 @@ pub(crate) fn no_dependency() -> Error {
 
 /// The keys as a list.
 fn keys() -> String {
-    let (others, last) = KEYS.rsplit_once(' ').unwrap_or_default();
-    format!("{} and {}", quoted(others.split(' ')), quoted([last]))
-}
-
-pub(crate) fn is_key(name: &str) -> bool {
-    KEYS.split(' ').any(|key| key == name)
+    let names: Vec<&str> = Key::ALL.iter().map(|key| key.name()).collect();
+    let (last, others) = names.split_last().unwrap_or((&"", &[]));
+    format!("{} and {}", quoted(others.iter().copied()), quoted([*last]))
 }

@@ -11,36 +11,8 @@ use super::attributes::{self, Carrier};
 use super::{Library, embeddings, groups, nesting};
 use crate::diagnostics::{Diagnostics, Extent, Located, messages};
 use crate::embedding::{Embedding, listed};
+use crate::key::Key;
 use crate::tokens::is_punct;
-
-/// The role of a closure over phase space, in the order in which phase spaces are checked.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(crate) enum Role {
-    /// One, or the two parts of `drift = [H_A, H_B]`.
-    Drift,
-    Noise,
-    /// A force beside the drift, a covector.
-    Force,
-    /// A covector that drives a Wiener process.
-    NoiseForce,
-    Invariant,
-}
-
-/// Their keys.
-const ROLES: [(&str, Role); 5] = [
-    ("drift", Role::Drift),
-    ("noise", Role::Noise),
-    ("force", Role::Force),
-    ("noise_force", Role::NoiseForce),
-    ("invariant", Role::Invariant),
-];
-
-impl Role {
-    /// Whether its value is a covector, not a number.
-    pub(crate) fn is_covector(self) -> bool {
-        matches!(self, Self::Force | Self::NoiseForce)
-    }
-}
 
 /// The parsed attribute; missing and wrong parts have been reported.
 pub(crate) struct Declaration {
@@ -60,16 +32,16 @@ pub(crate) struct Declaration {
 }
 
 impl Declaration {
-    /// The closures of one role, as they were listed.
-    pub(crate) fn of(&self, role: Role) -> impl Iterator<Item = &Hamiltonian> {
-        self.closures.iter().filter(move |closure| closure.role == role)
+    /// The closures of one key, as they were listed.
+    pub(crate) fn of(&self, key: Key) -> impl Iterator<Item = &Hamiltonian> {
+        self.closures.iter().filter(move |closure| closure.key == key)
     }
 
     /// Every closure over phase space, the drift first, those with numbers as values before covectors.
     pub(crate) fn in_order(&self) -> impl Iterator<Item = &Hamiltonian> {
-        [Role::Drift, Role::Noise, Role::Invariant, Role::Force, Role::NoiseForce]
+        [Key::Drift, Key::Noise, Key::Invariant, Key::Force, Key::NoiseForce]
             .into_iter()
-            .flat_map(|role| self.of(role))
+            .flat_map(|key| self.of(key))
     }
 }
 
@@ -89,7 +61,7 @@ pub(crate) struct Given {
 
 /// A closure over phase space.
 pub(crate) struct Hamiltonian {
-    pub(crate) role: Role,
+    pub(crate) key: Key,
     pub(crate) closure: ExprClosure,
     /// The closure's tokens as they were written.
     pub(crate) tokens: TokenStream,
@@ -99,9 +71,9 @@ pub(crate) struct Hamiltonian {
     pub(crate) name: Option<Ident>,
 }
 
-/// One `key = value`.
+/// One `name = value`.
 struct Entry {
-    key: Ident,
+    name: Ident,
     value: TokenStream,
 }
 
@@ -120,60 +92,67 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         crate_path: syn::parse_quote!(::wzvi),
         library: Library::default(),
     };
-    let mut seen: Vec<String> = Vec::new();
+    let mut seen: Vec<Key> = Vec::new();
     for entry in split_entries(attribute, diagnostics) {
-        let mut key = entry.key.unraw().to_string();
-        if !messages::is_key(&key) {
-            diagnostics.report(match messages::is_of_ito(&entry.key) {
-                true => messages::key_of_ito(&entry.key),
-                false => messages::unknown_key(&entry.key),
-            });
-            // A misspelled key must not be reported as missing, too, and its value may have mistakes of its own.
-            match messages::intended_key(&entry.key.to_string()) {
-                Some(intended) if !seen.iter().any(|known| known == intended) => key = intended.to_owned(),
-                _ => continue,
-            }
-        } else if seen.contains(&key) {
-            diagnostics.report(messages::duplicate_key(&entry.key));
-            continue;
-        }
-        read_entry(&mut declaration, &key, &entry, diagnostics);
+        let Some(key) = known_key(&entry.name, &seen, diagnostics) else { continue };
+        read_entry(&mut declaration, key, &entry, diagnostics);
         seen.push(key);
     }
-    for required in ["drift", "embedding"] {
-        if !seen.iter().any(|key| key == required) {
+    for required in [Key::Drift, Key::Embedding] {
+        if !seen.contains(&required) {
             diagnostics.report(messages::missing_key(required));
         }
     }
     Some(declaration)
 }
 
-fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnostics: &mut Diagnostics) {
-    if entry.value.is_empty() {
-        diagnostics.report(messages::missing_value(&entry.key));
-        return;
+/// The key with this name, or the one that a misspelled name may stand for, so that it is not reported as missing, too, and the mistakes
+/// of its value are found.
+fn known_key(name: &Ident, seen: &[Key], diagnostics: &mut Diagnostics) -> Option<Key> {
+    let Some(key) = Key::named(&name.unraw().to_string()) else {
+        diagnostics.report(match messages::is_of_ito(name) {
+            true => messages::key_of_ito(name),
+            false => messages::unknown_key(name),
+        });
+        return messages::intended_key(&name.to_string()).filter(|intended| !seen.contains(intended));
+    };
+    if seen.contains(&key) {
+        diagnostics.report(messages::duplicate_key(name));
+        return None;
     }
-    if let Some(&(_, role)) = ROLES.iter().find(|(known, _)| *known == key) {
-        declaration.closures.extend(entry.closures(role, diagnostics));
+    Some(key)
+}
+
+fn read_entry(declaration: &mut Declaration, key: Key, entry: &Entry, diagnostics: &mut Diagnostics) {
+    if entry.value.is_empty() {
+        diagnostics.report(messages::missing_value(&entry.name));
         return;
     }
     match key {
-        "friction" | "damping" if declaration.friction.is_some() => {
-            diagnostics.report(messages::friction_and_damping(&entry.key));
+        Key::Drift => declaration.closures.extend(entry.closures(key, drift, diagnostics)),
+        Key::Force => {
+            let only = |input: ParseStream<'_>| Ok(vec![hamiltonian(input)?]);
+            declaration.closures.extend(entry.closures(key, only, diagnostics));
         }
-        "friction" | "damping" => {
-            let is_matrix = key == "damping";
+        Key::Noise | Key::NoiseForce | Key::Invariant => {
+            declaration.closures.extend(entry.closures(key, hamiltonian_list, diagnostics));
+        }
+        Key::Friction | Key::Damping if declaration.friction.is_some() => {
+            diagnostics.report(messages::friction_and_damping(&entry.name));
+        }
+        Key::Friction | Key::Damping => {
+            let is_matrix = key == Key::Damping;
             let given = diagnostics.accept(entry.given());
             declaration.friction = given.map(|given| Friction { is_matrix, given });
         }
-        "temperature" => declaration.temperature = diagnostics.accept(entry.given()),
-        "embedding" => {
+        Key::Temperature => declaration.temperature = diagnostics.accept(entry.given()),
+        Key::Embedding => {
             let before = diagnostics.count();
             declaration.embeddings = entry.embeddings(diagnostics);
             declaration.all_embeddings_known = diagnostics.count() == before;
         }
-        "calculus" => declaration.ito = diagnostics.accept(entry.parse(calculus)).flatten(),
-        _ => {
+        Key::Calculus => declaration.ito = diagnostics.accept(entry.parse(calculus)).flatten(),
+        Key::Crate => {
             let path = entry.parse(Path::parse_mod_style);
             let path = path.map_err(|_| messages::not_a_path(&entry.value));
             if let Some(path) = diagnostics.accept(path) {
@@ -206,29 +185,29 @@ impl Entry {
         Ok(Given { value: self.parse(|input| input.parse())?, tokens: self.value.clone() })
     }
 
-    fn closures(&self, role: Role, diagnostics: &mut Diagnostics) -> Vec<Hamiltonian> {
-        let parsed = match role {
-            Role::Drift => self.parse(drift),
-            Role::Force => self.parse(hamiltonian).map(|only| vec![only]),
-            Role::Noise | Role::NoiseForce | Role::Invariant => self.parse(hamiltonian_list),
-        };
-        let Some(mut list) = diagnostics.accept(parsed) else { return Vec::new() };
+    fn closures(
+        &self,
+        key: Key,
+        parser: fn(ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>>,
+        diagnostics: &mut Diagnostics,
+    ) -> Vec<Hamiltonian> {
+        let Some(mut list) = diagnostics.accept(self.parse(parser)) else { return Vec::new() };
         if list.is_empty() {
-            diagnostics.report(messages::empty_list(&self.value, &self.key));
+            diagnostics.report(messages::empty_list(&self.value, &self.name));
         }
-        if role != Role::Invariant
+        if key != Key::Invariant
             && let Some(name) = list.iter().find_map(|hamiltonian| hamiltonian.name.as_ref())
         {
             diagnostics.report(messages::name_of_other(name));
         }
         list.retain(|closure| match &closure.family {
-            Some(count) if role == Role::Invariant => {
+            Some(count) if key == Key::Invariant => {
                 diagnostics.report(messages::family_of_invariants(count));
                 false
             }
             _ => true,
         });
-        list.iter_mut().for_each(|closure| closure.role = role);
+        list.iter_mut().for_each(|closure| closure.key = key);
         list
     }
 
@@ -264,7 +243,7 @@ fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
     if closure.asyncness.is_some() {
         return Err(messages::async_closure(closure.asyncness.to_token_stream()));
     }
-    Ok(Hamiltonian { role: Role::Drift, closure, tokens, family: None, name: None })
+    Ok(Hamiltonian { key: Key::Drift, closure, tokens, family: None, name: None })
 }
 
 /// One Hamiltonian, or `[H_A, H_B]`.
@@ -357,7 +336,7 @@ fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<E
         let before = position.checked_sub(1).map(|before| &tokens[before]);
         let mut at_start = before.is_none_or(|before| is_punct(before, ','));
         if let (TokenTree::Ident(key), Some(before)) = (&tokens[position], before)
-            && messages::is_key(&key.to_string())
+            && Key::named(&key.to_string()).is_some()
             && ends_operand(before)
             && is_assignment(&tokens[position + 1..])
         {
@@ -366,7 +345,7 @@ fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<E
         }
         match &tokens[position] {
             TokenTree::Ident(key) if at_start && is_assignment(&tokens[position + 1..]) => {
-                entries.push(Entry { key: key.clone(), value: TokenStream::new() });
+                entries.push(Entry { name: key.clone(), value: TokenStream::new() });
                 position += 2;
                 continue;
             }

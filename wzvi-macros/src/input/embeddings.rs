@@ -74,7 +74,9 @@ fn of_program(ty: &Type) -> syn::Result<Written<Path>> {
         ("Corrected" | "Uncorrected" | "Thermostat", Some([GenericArgument::Type(inner)]), _) => {
             of_program(inner)
         }
-        (name, None, Type::Path(path)) if names().all(|known| known != name) => Ok(Written(path.path.clone())),
+        (name, None, Type::Path(path)) if names().all(|known| known != name) => {
+            Ok(Written(path.path.clone()))
+        }
         _ => Err(messages::points_of_other(ty)),
     }
 }

@@ -11,7 +11,7 @@ mod phase_space;
 mod points;
 mod system;
 
-pub(crate) use attribute::{Declaration, Friction, Given, Hamiltonian, Role, read_attribute};
+pub(crate) use attribute::{Declaration, Friction, Given, Hamiltonian, read_attribute};
 pub(crate) use attributes::{Carrier, check as check_attributes};
 pub(crate) use groups::peeled;
 pub(crate) use library::{Function, Library};

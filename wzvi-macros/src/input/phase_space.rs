@@ -7,9 +7,10 @@ use quote::quote;
 use syn::ext::IdentExt;
 use syn::{Pat, Type};
 
-use super::attribute::{Declaration, Hamiltonian, Role};
+use super::attribute::{Declaration, Hamiltonian};
 use super::system::literal;
 use crate::diagnostics::{Diagnostics, messages, source};
+use crate::key::Key;
 use crate::tokens::Written;
 
 /// Degrees of freedom that are variables of their own in the symbolic graph.
@@ -155,9 +156,9 @@ pub(crate) fn read_phase_space(
 ) -> Option<PhaseSpace> {
     let mut phase_space: Option<PhaseSpace> = None;
     let mut is_first = true;
-    declaration.closures.sort_by_key(|closure| closure.role);
+    declaration.closures.sort_by_key(|closure| closure.key);
     declaration.closures.retain(|closure| {
-        let is_drift = std::mem::take(&mut is_first) && closure.role == Role::Drift;
+        let is_drift = std::mem::take(&mut is_first) && closure.key == Key::Drift;
         match &phase_space {
             Some(known) if known.is_of_drift => diagnostics.accept(repeats(closure, known)).is_some(),
             Some(known) => {
@@ -176,7 +177,7 @@ pub(crate) fn read_phase_space(
 
 /// In a system with noise a third parameter with another name than the time's may be meant as a noise.
 fn check_times(declaration: &Declaration, diagnostics: &mut Diagnostics) {
-    let is_noise = |closure: &Hamiltonian| matches!(closure.role, Role::Noise | Role::NoiseForce);
+    let is_noise = |closure: &Hamiltonian| matches!(closure.key, Key::Noise | Key::NoiseForce);
     if !declaration.closures.iter().any(is_noise) {
         return;
     }

@@ -30,7 +30,8 @@ use syn::{Expr as Syntax, ReturnType};
 
 use crate::diagnostics::Extent;
 use crate::diagnostics::{Diagnostics, expressions, messages};
-use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Role, Shape};
+use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape};
+use crate::key::Key;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
 use crate::model::{Family, Half, Noise, Slot, System, Term};
@@ -81,18 +82,18 @@ pub(crate) fn lower(
     let library = &declaration.library;
     let mut interpreter = Interpreter::new(graph, symbols, tables, space, &container, library, diagnostics);
 
-    let drift = interpreter.terms(declaration.of(Role::Drift));
-    let noise = declaration.of(Role::Noise).chain(declaration.of(Role::NoiseForce));
+    let drift = interpreter.terms(declaration.of(Key::Drift));
+    let noise = declaration.of(Key::Noise).chain(declaration.of(Key::NoiseForce));
     let noise: Vec<_> = noise.map(|noise| interpreter.noise(noise)).collect();
-    let force = interpreter.terms(declaration.of(Role::Force));
+    let force = interpreter.terms(declaration.of(Key::Force));
     let friction = declaration.friction.as_ref().map(|given| interpreter.friction(given));
     let temperature = declaration.temperature.as_ref().map(|given| interpreter.temperature(given));
-    let invariants = interpreter.terms(declaration.of(Role::Invariant));
+    let invariants = interpreter.terms(declaration.of(Key::Invariant));
 
     let Interpreter { mut graph, symbols, tables, parameters, space, naturals, untyped, .. } = interpreter;
     let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape, &untyped);
     let invariant_names = declaration
-        .of(Role::Invariant)
+        .of(Key::Invariant)
         .map(|invariant| invariant.name.as_ref().map_or_else(String::new, |name| name.unraw().to_string()));
     let noise: Vec<Vec<Noise>> = noise.into_iter().collect::<Option<_>>()?;
     let parts = drift?;
@@ -183,7 +184,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 
     /// A noise, or a family of noises. Members that differ in more than a number become separate noises.
     fn noise(&mut self, noise: &'a Hamiltonian) -> Option<Vec<Noise>> {
-        let is_force = noise.role.is_covector();
+        let is_force = noise.key.is_covector();
         let Some(count) = &noise.family else {
             let term = self.term(noise, None)?;
             return Some(vec![Noise { term, family: None, is_force }]);
@@ -216,7 +217,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     fn term(&mut self, hamiltonian: &'a Hamiltonian, member: Option<Member<'_>>) -> Option<Term> {
         let closure = &hamiltonian.closure;
         if let ReturnType::Type(_, ty) = &closure.output
-            && !hamiltonian.role.is_covector()
+            && !hamiltonian.key.is_covector()
             && !names::is_real_type(ty)
         {
             return self.refuse(messages::return_type(ty));
@@ -257,7 +258,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         }
         let value = self.evaluate(&closure.body);
         let result = interpreter::result_of(&closure.body);
-        let value = match hamiltonian.role.is_covector() {
+        let value = match hamiltonian.key.is_covector() {
             true => self.covector(value, result),
             false => self.energy(value, result),
         };

@@ -35,7 +35,7 @@ pub(super) fn type_checks(
         }
     };
     let closures = declaration.in_order().map(|closure| {
-        let rewritten = match closure.role.is_covector() {
+        let rewritten = match closure.key.is_covector() {
             true => with_entries(&closure.closure, &entries),
             // Token for token.
             false => closure.tokens.clone(),
