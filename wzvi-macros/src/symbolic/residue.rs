@@ -2,7 +2,8 @@
 //!
 //! With every function of one argument node replaced by an independent random number (or a rational function of one,
 //! so that `sin² + cos² = 1`, addition theorems and `2 sin²(x/2) = 1 - cos x` hold;
-//! `hypot(x, y)` is `√(x² + y²)`), an expression is a rational function of degree `d` in random numbers of the
+//! `hypot(x, y)` is `√(x² + y²)`, `x^y` maps sums of exponents to products, `2^x` is such a power of 2, and `log2`, `log10` and
+//! `ln(1 + x)` are logarithms `ln`), an expression is a rational function of degree `d` in random numbers of the
 //! field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p` (Schwartz, Zippel),
 //! below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals could still vanish
 //! modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure, exclude that.
@@ -11,8 +12,10 @@
 //! them, so that with roots [`POINTS_WITH_ROOTS`] points are tried. A base that is not a square has its root in
 //! the quadratic extension by `i = √-1` (both primes are 3 modulo 4), so that hardly any point is lost.
 
+use std::f64::consts::{LN_2, LN_10};
+
 use super::rational::power;
-use super::{Expr, Function, Graph, Node, Rational, Special};
+use super::{Expr, Function, Graph, Node, Rational, Relation, Special};
 
 const PRIMES: [u64; 2] = [(1 << 61) - 1, 2_718_281_828_459_045_287];
 const POINTS: usize = 4;
@@ -51,10 +54,13 @@ fn common_parts(graph: &Graph, expr: Expr) -> i64 {
     let mut parts: i64 = 1;
     for part in graph.reachable(&[expr]) {
         let Node::Apply(function, arguments) = graph.node(part) else { continue };
-        if function.arity() > 1 || matches!(function, Function::Sqrt | Function::Cbrt | Function::Abs) {
-            continue;
-        }
-        for (_, coefficient) in linear_terms(graph, arguments[0]) {
+        let multiplied = match function {
+            Function::Powf => arguments[1],
+            Function::Sqrt | Function::Cbrt | Function::Abs => continue,
+            _ if function.arity() > 1 => continue,
+            _ => arguments[0],
+        };
+        for (_, coefficient) in linear_terms(graph, multiplied) {
             let denominator = coefficient.denominator();
             let (mut a, mut b) = (parts, denominator);
             while b != 0 {
@@ -238,6 +244,8 @@ enum Atom {
     Angle,
     ErrorFunction,
     Bessel,
+    Logarithm,
+    Power,
 }
 
 /// One random point: every atom has a value that only depends on the seed.
@@ -279,11 +287,7 @@ impl Point<'_> {
                 for &(base, exponent) in factors {
                     let power = match exponent.denominator() {
                         1 => field.power_signed(value(base)?, exponent.numerator())?,
-                        2 => field.power_signed(self.root(value(base)?)?, exponent.numerator())?,
-                        _ => {
-                            let exponent = mix(exponent.numerator() as u64, exponent.denominator() as u64);
-                            self.atom(Atom::Node, mix(mix(base.index() as u64, exponent), u64::MAX))
-                        }
+                        _ => self.rational_power(value(base)?, exponent)?,
                     };
                     product = field.multiply(product, power);
                 }
@@ -297,8 +301,21 @@ impl Point<'_> {
             Node::Apply(Function::Special(special), arguments) => {
                 self.special(*special, arguments[0], value(arguments[0])?)
             }
-            Node::Apply(function, arguments) => self.function(expr, *function, arguments[0]),
-            Node::Select { .. } => Some(self.atom(Atom::Node, expr.index() as u64)),
+            Node::Apply(Function::Powf, arguments) => self.power(value(arguments[0])?, arguments[1]),
+            Node::Apply(Function::Exp2, arguments) => self.power(field.integer(2), arguments[0]),
+            Node::Apply(Function::Ln, arguments) => self.logarithm(value(arguments[0])?),
+            Node::Apply(Function::Ln1p, arguments) => {
+                self.logarithm(field.add(value(arguments[0])?, Residue::ONE))
+            }
+            Node::Apply(function @ (Function::Log2 | Function::Log10), arguments) => {
+                let base = if *function == Function::Log2 { 2 } else { 10 };
+                field.divide(self.logarithm(value(arguments[0])?)?, self.logarithm(field.integer(base))?)
+            }
+            Node::Apply(function, arguments) => self.function(expr, *function, arguments[0], value),
+            Node::Select { .. } => match self.slope_of_power(node) {
+                Some(slope) => value(slope),
+                None => Some(self.atom(Atom::Node, expr.index() as u64)),
+            },
             Node::Compare(..) | Node::Not(_) | Node::Join(..) => Some(Residue::ZERO),
         }
     }
@@ -310,17 +327,35 @@ impl Point<'_> {
         Some(if flips { self.field.negate(root) } else { root })
     }
 
-    fn function(&self, expr: Expr, function: Function, argument: Expr) -> Option<Residue> {
+    /// The second branch of `if y == 0 { 0 } else { y f }`, which has this value everywhere: the derivative of `x^y` by `x`.
+    fn slope_of_power(&self, node: &Node) -> Option<Expr> {
+        let &Node::Select { condition, then, otherwise } = node else { return None };
+        let &Node::Compare(Relation::Equal, a, b) = self.graph.node(condition) else { return None };
+        let exponent = if self.graph.is_zero(a) { b } else { a };
+        let (_, exponent) = self.graph.as_multiple(exponent);
+        let (_, slope) = self.graph.as_multiple(otherwise);
+        let Node::Product(factors) = self.graph.node(slope) else { return None };
+        let is_of_zero = [a, b].iter().any(|side| self.graph.is_zero(*side)) && self.graph.is_zero(then);
+        (is_of_zero && factors.contains(&(exponent, Rational::ONE))).then_some(otherwise)
+    }
+
+    fn function(
+        &self,
+        expr: Expr,
+        function: Function,
+        argument: Expr,
+        value: &dyn Fn(Expr) -> Option<Residue>,
+    ) -> Option<Residue> {
         let field = self.field;
         let real = |re: u64| Residue { re, im: 0 };
         match function {
             Function::Sin => Some(real(self.rotation(argument)?.im)),
             Function::Cos => Some(real(self.rotation(argument)?.re)),
             Function::Tan => self.rotation(argument).and_then(|z| field.divide(real(z.im), real(z.re))),
-            Function::Exp => self.exponential(argument),
-            Function::ExpM1 => Some(field.subtract(self.exponential(argument)?, Residue::ONE)),
+            Function::Exp => self.exponential(argument, value),
+            Function::ExpM1 => Some(field.subtract(self.exponential(argument, value)?, Residue::ONE)),
             Function::Sinh | Function::Cosh | Function::Tanh => {
-                let growing = self.exponential(argument)?;
+                let growing = self.exponential(argument, value)?;
                 let decaying = field.recip(growing)?;
                 let (twice_sinh, twice_cosh) =
                     (field.subtract(growing, decaying), field.add(growing, decaying));
@@ -370,47 +405,104 @@ impl Point<'_> {
         }
     }
 
-    /// `exp(argument)`
-    fn exponential(&self, argument: Expr) -> Option<Residue> {
-        self.homomorphism(argument, Atom::Exponential, Some)
+    /// `ln` of a value: the same for equal values; ln 2 and ln 10 with the roundings that derivatives have.
+    fn logarithm(&self, value: Residue) -> Option<Residue> {
+        let rounded = [(2, LN_2), (10, LN_10)].into_iter().find(|(x, _)| self.field.integer(*x) == value);
+        match rounded {
+            Some((_, logarithm)) => self.field.float(logarithm),
+            None => Some(self.atom(Atom::Logarithm, mix(value.re, value.im))),
+        }
+    }
+
+    /// `base^(n/d)`, as an integer power of the base and one of its root of order `d`.
+    fn rational_power(&self, base: Residue, exponent: Rational) -> Option<Residue> {
+        let (field, n, d) = (self.field, exponent.numerator(), exponent.denominator());
+        let root = match d {
+            1 => Residue::ONE,
+            2 => self.root(base)?,
+            _ => self.atom(Atom::Power, mix(mix(base.re, base.im), mix(d as u64, 0))),
+        };
+        let whole = field.power_signed(base, n.div_euclid(d))?;
+        Some(field.multiply(whole, field.power_signed(root, n.rem_euclid(d))?))
+    }
+
+    /// `base^exponent`, which maps sums of exponents to products of powers, as `exp` does.
+    fn power(&self, base: Residue, exponent: Expr) -> Option<Residue> {
+        let mut product = Residue::ONE;
+        for (term, coefficient) in linear_terms(self.graph, exponent) {
+            let power = match term {
+                None => self.rational_power(base, coefficient)?,
+                Some(term) => self.power_by(base, term, coefficient)?,
+            };
+            product = self.field.multiply(product, power);
+        }
+        Some(product)
+    }
+
+    /// `base^(coefficient · term)`
+    fn power_by(&self, base: Residue, term: Expr, coefficient: Rational) -> Option<Residue> {
+        let (key, count) = self.summand(term.index() as u64, coefficient);
+        let part = self.atom(Atom::Power, mix(mix(base.re, base.im), mix(key, 1)));
+        self.field.power_signed(part, count)
+    }
+
+    /// `exp(argument)`, where `exp(y ln x)` is `x^y`.
+    fn exponential(&self, argument: Expr, value: &dyn Fn(Expr) -> Option<Residue>) -> Option<Residue> {
+        let mut product = Residue::ONE;
+        for (term, coefficient) in linear_terms(self.graph, argument) {
+            let factor = match term.and_then(|term| self.times_logarithm(term)) {
+                Some((of, None)) => self.rational_power(value(of)?, coefficient)?,
+                Some((of, Some(exponent))) => self.power_by(value(of)?, exponent, coefficient)?,
+                None => {
+                    let key = term.map_or(u64::MAX, |term| term.index() as u64);
+                    let (key, count) = self.summand(key, coefficient);
+                    self.field.power_signed(self.atom(Atom::Exponential, key), count)?
+                }
+            };
+            product = self.field.multiply(product, factor);
+        }
+        Some(product)
+    }
+
+    /// `x` and `y` of `y ln x`; without `y` if it is 1.
+    fn times_logarithm(&self, term: Expr) -> Option<(Expr, Option<Expr>)> {
+        let logarithm = |expr: Expr| match self.graph.node(expr) {
+            Node::Apply(Function::Ln, arguments) => Some(arguments[0]),
+            _ => None,
+        };
+        if let Some(of) = logarithm(term) {
+            return Some((of, None));
+        }
+        let Node::Product(factors) = self.graph.node(term) else { return None };
+        let &[(a, Rational::ONE), (b, Rational::ONE)] = factors.as_ref() else { return None };
+        logarithm(a).map(|of| (of, Some(b))).or_else(|| logarithm(b).map(|of| (of, Some(a))))
     }
 
     /// `cos + i sin` of the argument: `(1 + i τ) / (1 - i τ)`, a rational point of the circle, for each angle.
+    /// A sum of angles is a product of rotations, so that addition theorems hold.
     fn rotation(&self, argument: Expr) -> Option<Residue> {
-        self.homomorphism(argument, Atom::Angle, |Residue { re: tau, .. }| {
-            let [above, below] = [tau, self.field.negate_modulo(tau)].map(|im| Residue { re: 1, im });
-            self.field.divide(above, below)
-        })
+        linear_terms(self.graph, argument).into_iter().try_fold(
+            Residue::ONE,
+            |product, (term, coefficient)| {
+                let key = term.map_or(u64::MAX, |term| term.index() as u64);
+                let (key, count) = self.summand(key, coefficient);
+                let tau = self.atom(Atom::Angle, key).re;
+                let [above, below] = [tau, self.field.negate_modulo(tau)].map(|im| Residue { re: 1, im });
+                let rotation = self.field.divide(above, below)?;
+                Some(self.field.multiply(product, self.field.power_signed(rotation, count)?))
+            },
+        )
     }
 
-    /// A function that maps sums to products, `f(Σ n_i x_i / d_i) = Π f(x_i / d_i)^n_i`, so that addition theorems hold.
-    fn homomorphism(
-        &self,
-        argument: Expr,
-        atom: Atom,
-        value: impl Fn(Residue) -> Option<Residue>,
-    ) -> Option<Residue> {
-        self.summands(argument).into_iter().try_fold(Residue::ONE, |product, (key, count)| {
-            let factor = self.field.power_signed(value(self.atom(atom, key))?, count)?;
-            Some(self.field.multiply(product, factor))
-        })
-    }
-
-    /// The argument as `Σ count · (summand / parts)`; the key tells the summand, and the denominator where it
-    /// is no divisor of the number of parts.
-    fn summands(&self, argument: Expr) -> Vec<(u64, i64)> {
-        let summand = |key: u64, c: Rational| {
-            let whole = (self.parts % c.denominator() == 0)
-                .then(|| c.numerator().checked_mul(self.parts / c.denominator()))
-                .flatten();
-            match whole {
-                Some(count) => (mix(key, 0), count),
-                None => (mix(key, c.denominator() as u64), c.numerator()),
-            }
-        };
-        let terms = linear_terms(self.graph, argument);
-        let key = |term: Option<Expr>| term.map_or(u64::MAX, |term| term.index() as u64);
-        terms.into_iter().map(|(term, coefficient)| summand(key(term), coefficient)).collect()
+    /// `coefficient · term` as a count of parts of the term, `f(n x / d) = f(x / parts)^count`. The key tells the term, and the
+    /// denominator where it is no divisor of the number of parts.
+    fn summand(&self, key: u64, coefficient: Rational) -> (u64, i64) {
+        let (n, d) = (coefficient.numerator(), coefficient.denominator());
+        let whole = (self.parts % d == 0).then(|| n.checked_mul(self.parts / d)).flatten();
+        match whole {
+            Some(count) => (mix(key, 0), count),
+            None => (mix(key, d as u64), n),
+        }
     }
 }
 

@@ -27,8 +27,8 @@ impl ZeroTest {
             Self::Nonzero(witness) => Knowledge::Refuted(witness),
             Self::Unknown => Knowledge::Unknown(
                 "it vanishes wherever it was evaluated, but by no identity that the compiler tries: those of fractions, \
-                 square roots and `hypot`, of `sin`, `cos` and `tan` of sums, multiples and fractions of angles, and of `exp`, \
-                 `sinh`, `cosh` and `tanh` (not of logarithms, inverse functions, `cbrt` and `powf`)"
+                 square roots and `hypot`, of `sin`, `cos` and `tan` of sums, multiples and fractions of angles, of `exp`, `exp2`, \
+                 `sinh`, `cosh` and `tanh`, and of powers of one base (not of sums of logarithms, inverse functions and `cbrt`)"
                     .to_owned(),
             ),
         }
