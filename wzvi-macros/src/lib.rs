@@ -1,7 +1,23 @@
 //! The compiler of `wzvi`: one attribute, [`macro@hamiltonian`]. Users depend on the facade crate `wzvi`.
 //!
 //! Data flows one way: `input` reads what was declared, `lower` turns the closures into symbolic expressions,
-//! `discretise` derives the discrete Euler-Lagrange equations and `emit` writes them as Rust.
+//! `discretise` derives the discrete Euler-Lagrange equations and `emit` writes them as Rust. Each module imports only
+//! modules above it:
+//!
+//! | module | contents |
+//! |---|---|
+//! | `key`, `distinct`, `tokens` | the keys of the attribute, lists without repetition, streams of tokens |
+//! | `symbolic` | expressions, derivatives, proofs |
+//! | `diagnostics`, `dependency` | the collector of errors and the messages; whether the generated names lead anywhere |
+//! | `embedding` | schemes by name |
+//! | `input` | declarations of the user |
+//! | `model`, `indices` | systems as sums of elements; their indices as Rust |
+//! | `lower`, `functions` | from Rust to terms; functions that Hamiltonians share |
+//! | `discretise` | discrete Lagrangians, equations, facts |
+//! | `passes` | from systems to systems |
+//! | `check` | refusals of the mathematics |
+//! | `describe`, `emit` | the text of `EQUATIONS`; Rust code |
+//! | `compile` | all stages on one page |
 
 mod check;
 mod compile;
@@ -13,6 +29,7 @@ mod distinct;
 mod embedding;
 mod emit;
 mod functions;
+mod indices;
 mod input;
 mod key;
 mod lower;

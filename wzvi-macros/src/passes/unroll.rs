@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use quote::quote;
 
-use crate::emit::terms::Indices;
+use crate::indices::Indices;
 use crate::model::symbols::{Sum, Symbols};
 use crate::model::{
     Family, Index, Local, Loop, Noise, Parameter, Phase, Slot, StraightLine, System, Table, Term,

@@ -27,10 +27,10 @@ pub(super) use motion::Pass;
 pub(super) use rows::partners;
 
 use super::Wanted;
-use super::indices::{Indices, OpenList, variable};
 use super::kernel::{Arithmetic, Target, written};
 use crate::diagnostics::promised;
 use crate::emit::count;
+use crate::indices::{Indices, OpenList, variable};
 use crate::model::{Element, Half, Index, Local, Slot};
 use crate::symbolic::Expr;
 use crate::tokens::mentions;

@@ -8,11 +8,11 @@ use quote::{format_ident, quote};
 
 use super::Wanted;
 use super::chunk::{Chunk, Emitted, Pass, gathers, lists, partners};
-use super::indices::{Indices, variable};
 use super::weighted::{Nests, Outputs, Weight};
 use crate::diagnostics::promised;
 use crate::discretise::{Weighted, family_of};
 use crate::emit::{Level, Lowering, Names, Op, Printer, Rank, count, parameter_names};
+use crate::indices::{Indices, variable};
 use crate::model::{Atom, Half, Index, Loop, System};
 use crate::symbolic::{Expr, Symbol};
 

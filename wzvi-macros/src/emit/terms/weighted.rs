@@ -5,10 +5,11 @@ use std::collections::HashMap;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
+use super::Wanted;
 use super::combine::{Combined, curvatures};
 use super::kernel::Target;
-use super::{Indices, Wanted};
 use crate::discretise::{PartElements, Weighted, family_of};
+use crate::indices::Indices;
 use crate::model::{Element, Half, Index, Reads, System};
 use crate::symbolic::{Expr, Symbol};
 

@@ -5,9 +5,9 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::chunk::{Pass, gathers, partners};
-use super::indices::Indices;
 use crate::discretise::{PartElements, unweighted};
 use crate::emit::plan::degrees;
+use crate::indices::Indices;
 use crate::input::Shape;
 use crate::model::{Atom, Element, Index, Loop, Reads, System};
 use crate::symbolic::{Expr, Function, Node, Symbol};

@@ -9,8 +9,8 @@ use quote::{format_ident, quote};
 
 use super::motion::{Motion, Pass};
 use super::{Arithmetic, Chunk, rows};
-use crate::emit::terms::indices::{Indices, OpenList};
 use crate::emit::terms::windows::is_correctly_rounded;
+use crate::indices::{Indices, OpenList};
 use crate::model::{Atom, Element, Half, Index, Slot, Table};
 use crate::symbolic::{Expr, Graph};
 

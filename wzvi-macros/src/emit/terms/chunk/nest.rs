@@ -7,7 +7,7 @@ use quote::quote;
 
 use super::{Code, Stretch};
 use crate::emit::count;
-use crate::emit::terms::indices::Indices;
+use crate::indices::Indices;
 use crate::tokens::mentions;
 
 /// The number of placements in one chunk, if there are buffers.

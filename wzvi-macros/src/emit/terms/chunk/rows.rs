@@ -9,8 +9,8 @@ use super::{Arithmetic, Chunk, Emitted, slot_index, variable};
 use crate::diagnostics::promised;
 use crate::discretise::Weighted;
 use crate::emit::count;
-use crate::emit::terms::indices::Indices;
 use crate::emit::terms::kernel::Target;
+use crate::indices::Indices;
 use crate::model::{Half, Index, Reads, Slot};
 use crate::tokens::mentions;
 

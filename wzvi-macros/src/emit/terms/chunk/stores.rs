@@ -7,8 +7,8 @@ use super::motion::Motion;
 use super::nest::CHUNK;
 use super::{Chunk, Code};
 use crate::emit::count;
-use crate::emit::terms::indices::variable;
 use crate::emit::terms::kernel::Target;
+use crate::indices::variable;
 use crate::model::Index;
 
 impl Chunk<'_> {

@@ -1,4 +1,4 @@
-//! Integer expressions as Rust: `isize` arithmetic, checked in advance by [`super::places`] or during
+//! Integer expressions as Rust: `isize` arithmetic, checked in advance by `emit::terms::places` or during
 //! evaluation.
 
 use proc_macro2::{Ident, Literal, TokenStream};
@@ -13,9 +13,9 @@ pub(crate) fn variable(id: u32) -> Ident {
 
 /// A part of a list bound to a name, with the expression of the list and the index of the first entry.
 pub(crate) struct OpenList {
-    pub(super) tokens: TokenStream,
-    pub(super) first: Index,
-    pub(super) name: Ident,
+    pub(crate) tokens: TokenStream,
+    pub(crate) first: Index,
+    pub(crate) name: Ident,
 }
 
 /// Prints indices. `checked` ones occur in a function that returns an `Option`.
