@@ -3,6 +3,7 @@
 pub(crate) mod compose;
 mod gauss;
 pub(crate) mod names;
+mod overrides;
 pub(crate) mod plan;
 mod print;
 mod program;

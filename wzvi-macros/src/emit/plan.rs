@@ -4,17 +4,15 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, format_ident, quote};
 
 use super::count;
+use super::overrides::{self, holds};
 use crate::discretise::{Facts, NoiseClass, Scheme, Solution};
 use crate::input::{Length, Shape};
 use crate::model::System;
 use crate::symbolic::Knowledge;
 
-/// The facts independent of the scheme: all fields that differ from those of an autonomous system, and `others`.
-pub(crate) fn facts(
-    system: &System,
-    facts: &Facts,
-    others: impl IntoIterator<Item = (&'static str, Option<TokenStream>)>,
-) -> TokenStream {
+/// The facts independent of the scheme, those of elements among them, as far as they differ from those of an
+/// autonomous system.
+pub(crate) fn facts(system: &System, facts: &Facts, of_elements: overrides::Facts) -> TokenStream {
     let class = format_ident!("{}", format!("{:?}", facts.noise));
     let noise = (facts.noise != NoiseClass::None).then(|| quote!(__wzvi::NoiseClass::#class));
     let is_damped = system.friction.is_some() || system.conformal.is_some();
@@ -24,23 +22,18 @@ pub(crate) fn facts(
         let may_couple = read.len() > 1 || element.is_covector();
         may_couple && system.graph.has_pieces(element.value, &read)
     });
-    let known = [
-        ("noise", noise),
-        ("conserves_energy", knowledge(&facts.energy.is_kept)),
-        ("energy_jumps", facts.energy.only_jumps.then(|| quote!(true))),
-        ("commuting", knowledge(&facts.commuting)),
-        ("has_weak_order_two", (!facts.has_weak_order_two).then(|| quote!(false))),
-        ("is_damped", is_damped.then(|| quote!(true))),
-        ("has_pieces", has_pieces.then(|| quote!(true))),
-    ];
-    let fields = known.into_iter().chain(others).filter_map(|(name, value)| {
-        let name = format_ident!("{name}");
-        value.map(|value| quote!(#name: #value,))
-    });
-    let (fields, degrees) = (fields.collect::<TokenStream>(), degrees(system));
-    let degrees = degrees.unwrap_or_else(|| quote!(__wzvi::usize::MAX));
-    let autonomous = quote!(__wzvi::Facts::autonomous(#degrees));
-    if fields.is_empty() { autonomous } else { quote!(__wzvi::Facts { #fields ..#autonomous }) }
+    let known = overrides::Facts {
+        noise,
+        conserves_energy: knowledge(&facts.energy.is_kept),
+        energy_jumps: holds(facts.energy.only_jumps),
+        commuting: knowledge(&facts.commuting),
+        has_weak_order_two: (!facts.has_weak_order_two).then(|| quote!(false)),
+        is_damped: holds(is_damped),
+        has_pieces: holds(has_pieces),
+        ..of_elements
+    };
+    let degrees = degrees(system).unwrap_or_else(|| quote!(__wzvi::usize::MAX));
+    known.over(&quote!(__wzvi::Facts), quote!(__wzvi::Facts::autonomous(#degrees)))
 }
 
 /// The degrees of freedom as a constant expression; `None` if only the state knows them.

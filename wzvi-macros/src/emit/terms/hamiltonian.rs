@@ -6,6 +6,7 @@ use quote::{ToTokens, format_ident, quote};
 
 use super::{noise_count, vector_type};
 use crate::discretise::split;
+use crate::emit::overrides::{self, holds};
 use crate::emit::{Body, count, evaluation, f64_type};
 use crate::input::Labels;
 use crate::model::{Parameter, System};
@@ -38,16 +39,19 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
 /// Friction, forces and explicit time of the system, if any.
 pub(super) fn kind(model: &System) -> Option<TokenStream> {
     let reads_time = split::reads_time(&model.graph, &model.drift, model.t);
-    let acting = [
-        ("is_conformal", model.conformal.is_some()),
-        ("is_forced", model.force.is_some()),
-        ("has_noise_forces", model.noise.iter().any(|noise| noise.is_force)),
-        ("reads_time", reads_time),
-    ];
-    let fields: Vec<_> =
-        acting.into_iter().filter(|(_, acts)| *acts).map(|(field, _)| format_ident!("{field}")).collect();
-    let kind = quote!(__wzvi::Kind);
-    (!fields.is_empty()).then(|| quote!(#kind { #(#fields: true,)* ..#kind::AUTONOMOUS }))
+    let is_conformal = model.conformal.is_some();
+    let is_forced = model.force.is_some();
+    let has_noise_forces = model.noise.iter().any(|noise| noise.is_force);
+    if !(is_conformal || is_forced || has_noise_forces || reads_time) {
+        return None;
+    }
+    let acting = overrides::Kind {
+        is_conformal: holds(is_conformal),
+        is_forced: holds(is_forced),
+        has_noise_forces: holds(has_noise_forces),
+        reads_time: holds(reads_time),
+    };
+    Some(acting.over(&quote!(__wzvi::Kind), quote!(__wzvi::Kind::AUTONOMOUS)))
 }
 
 /// `Hamiltonian::validate` of a system with friction but no bath; a bath is checked when its steps are

@@ -5,6 +5,7 @@ use quote::quote;
 
 use crate::discretise::{Facts, Quadrature, Stage, Strategy, Unknowns};
 use crate::embedding::Embedding;
+use crate::emit::overrides::{self, holds};
 use crate::emit::{count, discretized};
 use crate::model::System;
 
@@ -52,14 +53,12 @@ pub(crate) fn quadrature(
     let quadrature = quote!(__wzvi::elements::Quadrature);
     let straight = quote!(#quadrature::new(&[#(#stages),*], __wzvi::elements::MomentumUpdate::#update));
     let unknowns = match unknowns {
-        Unknowns::None => Some(quote!(unknowns: __wzvi::elements::Unknowns::None,)),
+        Unknowns::None => Some(quote!(__wzvi::elements::Unknowns::None)),
         Unknowns::Momenta => None,
-        Unknowns::Both => Some(quote!(unknowns: __wzvi::elements::Unknowns::Both,)),
+        Unknowns::Both => Some(quote!(__wzvi::elements::Unknowns::Both)),
     };
-    let remembers = remembers.then(|| quote!(remembers: true,));
-    let is_linear = is_linear.then(|| quote!(is_linear: true,));
-    let fields = quote!(#unknowns #remembers #is_linear);
-    if fields.is_empty() { straight } else { quote!(#quadrature { #fields ..#straight }) }
+    let known = overrides::Quadrature { unknowns, remembers: holds(remembers), is_linear: holds(is_linear) };
+    known.over(&quadrature, straight)
 }
 
 /// A quadrature point for the run time.

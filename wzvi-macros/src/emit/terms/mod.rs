@@ -20,6 +20,7 @@ use crate::diagnostics::promised;
 use crate::discretise::{Facts, PartElements, Quadrature, Step, Unknowns, parts_of, scale_momenta};
 use crate::emit::compose::structure;
 use crate::emit::gauss::shape;
+use crate::emit::overrides::{self, holds};
 use crate::emit::plan::degrees;
 use crate::emit::{Names, count, f64_type, implementation, parameter_names};
 use crate::indices::Indices;
@@ -151,25 +152,25 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
     let curvature = curvatures_of(model, &parts, has_curvature);
     let first_integral = count(Numbers::of(model).integrals);
-    let is_true = |holds: bool| holds.then(|| quote!(true));
     let has_windows = windows::are_there(model, &parts);
     // Read where a window takes a whole step at once.
     let is_constant = has_windows.is_some() && facts.has_constant_curvature;
     // Steps in straight lines count the unknowns of their blocks.
     let coupled = facts.coupled_degrees.filter(|_| model.line.is_none()).map(count);
-    let others = [
-        ("kind", hamiltonian::kind(model)),
-        ("bath", parts::bath(model)),
-        ("parts", parts::forms(model, texts)),
-        ("integrals", (!model.invariants.is_empty()).then(|| quote!(#first_integral))),
-        ("has_windows", has_windows),
-        ("has_pairs", is_true(windows::have_pairs(model, &parts))),
-        ("gathers", windows::gathered(model, &parts)),
-        ("has_one_velocity", is_true(windows::have_one_velocity(model, &parts))),
-        ("has_constant_curvature", is_true(is_constant)),
-        ("coupled_degrees", coupled.map(|degrees| quote!(__wzvi::Some(#degrees)))),
-    ];
-    let known = crate::emit::plan::facts(model, facts, others);
+    let of_elements = overrides::Facts {
+        kind: hamiltonian::kind(model),
+        bath: parts::bath(model),
+        parts: parts::forms(model, texts),
+        integrals: (!model.invariants.is_empty()).then(|| quote!(#first_integral)),
+        has_windows,
+        has_pairs: holds(windows::have_pairs(model, &parts)),
+        gathers: windows::gathered(model, &parts),
+        has_one_velocity: holds(windows::have_one_velocity(model, &parts)),
+        has_constant_curvature: holds(is_constant),
+        coupled_degrees: coupled.map(|degrees| quote!(__wzvi::Some(#degrees))),
+        ..Default::default()
+    };
+    let known = crate::emit::plan::facts(model, facts, of_elements);
     let (places, [exact, usual]) = (places::emit(model), windows::numbers(model, &parts));
     let shape = shape(model.line.as_ref().map(|line| line.phase.q.len()));
     let structure = structure(texts);

@@ -9,6 +9,7 @@ use super::{Wanted, arm};
 use crate::describe::Texts;
 use crate::discretise::{Kinetic, Part, Sum, Weighted, unweighted};
 use crate::emit::count;
+use crate::emit::overrides::{self, holds};
 use crate::model::{Friction, System, Temperature, Term};
 
 /// The numbers of the parts after those of the step Hamiltonian: parts of the drift, friction, temperature,
@@ -102,17 +103,13 @@ pub(super) fn bath(model: &mut System) -> Option<TokenStream> {
         }
         None => quote!(__wzvi::None),
     };
-    let is_matrix = friction.is_matrix.then(|| quote!(is_matrix: true,));
-    let is_per_state = friction.is_per_place().then(|| quote!(is_per_state: true,));
-    let masses = (!is_diagonal).then(|| quote!(has_diagonal_masses: false,));
-    let (list, timed) = match &model.temperature {
-        Some(Temperature { is_list, reads_time, .. }) => {
-            (is_list.then(|| quote!(has_temperatures: true,)), reads_time.then(|| quote!(is_timed: true,)))
-        }
-        None => (None, None),
+    let known = overrides::Friction {
+        is_matrix: holds(friction.is_matrix),
+        is_per_state: holds(friction.is_per_place()),
+        has_diagonal_masses: (!is_diagonal).then(|| quote!(false)),
+        has_temperatures: holds(model.temperature.as_ref().is_some_and(|known| known.is_list)),
+        is_timed: holds(model.temperature.as_ref().is_some_and(|known| known.reads_time)),
     };
-    let fields = quote!(#is_matrix #is_per_state #masses #list #timed);
-    let plain = quote!(#bath::new(#number, #temperature));
-    let bath = if fields.is_empty() { plain } else { quote!(#bath { #fields ..#plain }) };
+    let bath = known.over(&bath, quote!(#bath::new(#number, #temperature)));
     Some(quote!(__wzvi::Some(#bath)))
 }
