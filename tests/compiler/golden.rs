@@ -1,4 +1,4 @@
-//! The golden expansions compile and step: `golden` has what `#[hamiltonian]` writes for ten systems, as it was
+//! The golden expansions compile and step: `golden` has what `#[hamiltonian]` writes for several systems, as it was
 //! reviewed; `GOLDEN=overwrite cargo test -p wzvi-macros golden` renews it.
 
 #![allow(warnings, clippy::all, missing_docs, reason = "generated code, and not for users")]
@@ -6,7 +6,22 @@
 macro_rules! scenes {
     ($($name:ident),*) => { $( #[rustfmt::skip] pub mod $name; )* };
 }
-scenes!(all_pairs, chain, corrected, flows, lattice, network, newton_block, noise, noise_family, pendulum);
+scenes!(
+    all_pairs,
+    bath,
+    branch,
+    chain,
+    corrected,
+    flows,
+    forced,
+    lattice,
+    network,
+    newton_block,
+    noise,
+    noise_family,
+    oscillators,
+    pendulum
+);
 
 use wzvi::prelude::*;
 
@@ -30,6 +45,17 @@ fn golden_expansions_step() {
     steps!(noise::Kubo { a: 1.0, sigma: 0.5 }, Midpoint, [0.3], [0.2], [0.05]);
     steps!(noise::Kubo { a: 1.0, sigma: 0.5 }, Uncorrected<DeltaPlus>, [0.3], [0.2], [0.05]);
     steps!(corrected::Multiplicative { sigma: 0.5 }, Corrected<DeltaPlus>, [0.3], [0.2], [0.05]);
+    steps!(
+        oscillators::Oscillators { m: 1.0, n: 2.0, k: 1.0, c: 0.3 },
+        Midpoint,
+        [0.3, 0.1],
+        [0.2, -0.4],
+        []
+    );
+    steps!(branch::Wall { edge: 0.1, stiffness: 2.0 }, Midpoint, [0.3], [0.2], []);
+    steps!(forced::Driven { push: 0.5, gamma: 0.3 }, Midpoint, [0.3], [0.2], []);
+    let heated = bath::Heated { m: 2.0, gamma: 0.3, kt: 1.0 };
+    steps!(heated, Baoab, [0.3, 0.1], [0.2, -0.4], [0.05, -0.03]);
     steps!(chain::Chain { beta: 0.5 }, Midpoint, vec![0.3, 0.1, -0.2], vec![0.2, -0.4, 0.1], []);
     steps!(lattice::Lattice::<3> { k: 0.5 }, DeltaPlus, vec![0.3; 6], vec![0.2; 6], []);
     let bodies = all_pairs::Bodies { g: 1.0, mass: vec![1.0, 2.0] };

@@ -1,4 +1,4 @@
-//! Golden expansions: what the compiler writes for ten representative systems, pretty-printed, to be reviewed as
+//! Golden expansions: what the compiler writes for representative systems, pretty-printed, to be reviewed as
 //! differences. `GOLDEN=overwrite cargo test -p wzvi-macros golden` renews the files; `cargo test --workspace --test compiler golden` compiles
 //! and runs them.
 
@@ -12,7 +12,7 @@ use super::expand;
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/compiler/golden");
 
 /// Name, the attribute's arguments, the struct.
-pub(super) const SCENES: [(&str, &str, &str); 10] = [
+pub(super) const SCENES: [(&str, &str, &str); 14] = [
     (
         "pendulum",
         "drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = Midpoint",
@@ -40,6 +40,31 @@ pub(super) const SCENES: [(&str, &str, &str); 10] = [
         "corrected",
         "drift = |q, p| 0.5 * p * p + 0.5 * q * q, noise = |q, p| sigma * q * p, embedding = Corrected<DeltaPlus>",
         "pub struct Multiplicative { pub sigma: f64 }",
+    ),
+    (
+        "oscillators",
+        "drift = |[x, y], [px, py]| 0.5 * (px * px / m + py * py / n) + 0.5 * k * (x * x + y * y) + c * x * y, \
+         embedding = Midpoint",
+        "pub struct Oscillators { pub m: f64, pub n: f64, pub k: f64, pub c: f64 }",
+    ),
+    (
+        "branch",
+        "drift = |q, p| 0.5 * p * p + 0.5 * q * q \
+            + if q > edge && stiffness > 0.0 { 0.5 * stiffness * (q - edge).powi(2) } else { 0.0 }, \
+         embedding = Midpoint",
+        "pub struct Wall { pub edge: f64, pub stiffness: f64 }",
+    ),
+    (
+        "forced",
+        "drift = |q, p| 0.5 * p * p - q.cos(), force = |_q, _p, t| push * (2.0 * t).cos(), friction = gamma, \
+         embedding = Midpoint",
+        "pub struct Driven { pub push: f64, pub gamma: f64 }",
+    ),
+    (
+        "bath",
+        "drift = |[x, y], [px, py]| 0.5 * (px * px / m + py * py) + 0.25 * (x - y).powi(4), \
+         damping = [[gamma, 0.1], [0.1, gamma]], temperature = kt, embedding = Baoab",
+        "pub struct Heated { pub m: f64, pub gamma: f64, pub kt: f64 }",
     ),
     (
         "chain",
