@@ -182,10 +182,13 @@ const _: () = {
             let product = dw * (dw * half_sigma + 1.0) * sigma;
             let inverse_pivot = S::usable(product + 1.0)?.recip();
             let product2 = inverse_pivot * (p * product + q * h);
+            let delta_p = -product2;
+            let node_p = p - product2;
+            let delta_q = q * product + node_p * h;
             *next = Solution::new(
                 carry,
                 [[q], [p]],
-                [[q * product + (p - product2) * h], [-product2]],
+                [[delta_q], [delta_p]],
                 Effort::fast(0),
             );
             next.ensure_finite()
@@ -198,9 +201,9 @@ const _: () = {
         const EQUATIONS: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
     }
     wzvi::bindings! {
-        at by_p by_q carry coordinates dw factor h half_sigma increments index
-        inverse_pivot lift memory momenta next p part prepared product product2 q sigma
-        sigma_squared t wanted weight
+        at by_p by_q carry coordinates delta_p delta_q dw factor h half_sigma increments
+        index inverse_pivot lift memory momenta next node_p p part prepared product
+        product2 q sigma sigma_squared t wanted weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -202,10 +202,12 @@ const _: () = {
             let [delta_px, delta_py] = unknowns;
             let node_py = py + delta_py;
             let node_px = px + delta_px;
+            let delta_x = node_px * h;
+            let delta_y = node_py * h;
             *next = Solution::new(
                 carry,
                 [[x, y], [px, py]],
-                [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
+                [[delta_x, delta_y], [delta_px * 2.0, delta_py * 2.0]],
                 effort,
             );
             let taken = next.are_finite();
@@ -222,10 +224,10 @@ const _: () = {
     #[automatically_derived]
     impl Conservative for HenonHeiles {}
     wzvi::bindings! {
-        at by_p by_q carry coordinates delta_px delta_py effort factor h h_squared half_h
-        half_h_squared increments lift memory momenta next node_px node_py part prepared
-        product px py quarter_h_squared stage_x stage_y sum t taken twice_stage_y
-        unknowns wanted weight x x_squared y y_squared
+        at by_p by_q carry coordinates delta_px delta_py delta_x delta_y effort factor h
+        h_squared half_h half_h_squared increments lift memory momenta next node_px
+        node_py part prepared product px py quarter_h_squared stage_x stage_y sum t taken
+        twice_stage_y unknowns wanted weight x x_squared y y_squared
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -217,10 +217,12 @@ const _: () = {
             let inverse_pivot = wzvi::reciprocal_above_one::<S>(sum * sum * 0.25 + 1.0);
             let sum2 = q + p * (sum * 0.5);
             let product = sum * inverse_pivot;
+            let node_p = p - sum2 * (product * 0.5);
+            let delta_q = sum * node_p;
             *next = Solution::new(
                 carry,
                 [[q], [p]],
-                [[sum * (p - sum2 * (product * 0.5))], [-(sum2 * product)]],
+                [[delta_q], [-(sum2 * product)]],
                 Effort::fast(0),
             );
             next.ensure_finite()
@@ -270,10 +272,13 @@ const _: () = {
             let [sigma, a_h] = *prepared;
             let sum = dw * sigma + a_h;
             let product = q * sum;
+            let delta_p = -product;
+            let node_p = p - product;
+            let delta_q = sum * node_p;
             *next = Solution::new(
                 carry,
                 [[q], [p]],
-                [[sum * (p - product)], [-product]],
+                [[delta_q], [delta_p]],
                 Effort::fast(0),
             );
             next.ensure_finite()
@@ -286,9 +291,9 @@ const _: () = {
         const EQUATIONS: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → the system with H0 - D, not X: not asymptotically preserving\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n  each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one\n";
     }
     wzvi::bindings! {
-        a a_h at by_p by_q carry coordinates dw factor h half_a half_sigma increments
-        index inverse_pivot lift memory momenta next p part prepared product q sigma sum
-        sum2 t wanted weight
+        a a_h at by_p by_q carry coordinates delta_p delta_q dw factor h half_a
+        half_sigma increments index inverse_pivot lift memory momenta next node_p p part
+        prepared product q sigma sum sum2 t wanted weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

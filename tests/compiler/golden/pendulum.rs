@@ -164,10 +164,11 @@ const _: () = {
             >(([q, p], [], [half_h, product, product2], []), &mut unknowns)?;
             let [delta_p] = unknowns;
             let node_p = p + delta_p;
+            let delta_q = node_p * h;
             *next = Solution::new(
                 carry,
                 [[q], [p]],
-                [[node_p * h], [delta_p * 2.0]],
+                [[delta_q], [delta_p * 2.0]],
                 effort,
             );
             let taken = next.are_finite();
@@ -184,7 +185,7 @@ const _: () = {
     #[automatically_derived]
     impl Conservative for Pendulum {}
     wzvi::bindings! {
-        at by_p by_q carry coordinates cos_stage_q delta_p effort factor h half_h
+        at by_p by_q carry coordinates cos_stage_q delta_p delta_q effort factor h half_h
         increments index lift memory momenta next node_p omega omega_squared p part
         prepared product product2 q sin_stage_q stage_q t taken unknowns wanted weight
     }

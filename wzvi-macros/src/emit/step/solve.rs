@@ -122,8 +122,10 @@ impl SolveBody<'_> {
         quote!(#shared let #pattern = #made;)
     }
 
+    /// `let` statements for shared values, and for those that formulas name, `P`, `Q_l`, `Δq` and `δp`.
     fn bind(&mut self, roots: &[Op]) -> TokenStream {
-        self.printer.bind(roots, &self.uses, &|_| false)
+        let flow = self.flow;
+        self.printer.bind(roots, &self.uses, &|op| flow.hints.contains_key(&op))
     }
 
     fn values(&self, ops: &[Op]) -> Vec<TokenStream> {
