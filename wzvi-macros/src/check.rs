@@ -1,4 +1,10 @@
-//! Refuses what the mathematics contradicts: inconsistent bare schemes, and declared first integrals that are not conserved.
+//! Refuses what the mathematics contradicts: inconsistent bare schemes, declared first integrals that are not
+//! conserved, drifts and words without flows.
+//!
+//! Every refusal of the compiler is a row of a table in `diagnostics`: `messages` about declarations, which `input`
+//! reports; `expressions` about Rust that `lower` and `collect` cannot make terms of; `ito` about the conversion; and
+//! `facts` about the mathematics. The last are reported here, but for those of friction and temperature, which
+//! `passes/friction.rs` checks before friction becomes a force.
 
 use crate::diagnostics::{Diagnostics, Located, facts as messages};
 use crate::discretise::{Facts, Failure, Flows, Invariant, Judged, split};
@@ -11,7 +17,7 @@ pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagno
     let System { graph, embeddings, .. } = system;
     check_consistency(graph, embeddings, facts, diagnostics);
     check_invariants(graph, facts, diagnostics);
-    split::check(system, diagnostics);
+    check_parts(system, diagnostics);
     check_flows(system, facts, diagnostics);
 }
 
@@ -58,6 +64,21 @@ fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnost
             let rate = sum.as_ref().map(|rate| facts.space.display(graph, rate, Rational::ONE));
             diagnostics.report(messages::no_invariant(*extent, along, rate.as_deref(), known, graph));
         }
+    }
+}
+
+/// Each part of `drift = [H_A, H_B]` has a known flow, and forces and friction belong to one of them.
+fn check_parts(system: &mut System, diagnostics: &mut Diagnostics) {
+    let mut forms = Vec::new();
+    for part in 0..system.parts.len() {
+        let extent = system.parts[part].extent;
+        let form = split::form(system, part).map_err(|reason| messages::part_without_flow(extent, reason));
+        forms.extend(diagnostics.accept(form));
+    }
+    if forms.len() == system.parts.len()
+        && let Err((extent, reason)) = split::homes(system, &forms)
+    {
+        diagnostics.report(messages::acts_in_no_part(extent, reason, &system.converted_force()));
     }
 }
 

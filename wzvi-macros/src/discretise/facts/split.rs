@@ -10,7 +10,7 @@
 //!
 //! Every flow of the second kind multiplies `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally symplectic.
 
-use crate::diagnostics::{Diagnostics, Extent, facts as messages};
+use crate::diagnostics::Extent;
 use crate::discretise::is_quadratic;
 use crate::model::{Atom, Index, System, Term};
 use crate::symbolic::{Graph, Symbol};
@@ -30,23 +30,8 @@ pub(crate) fn forms(system: &mut System) -> Option<[Form; 2]> {
     forms.try_into().ok()
 }
 
-/// Reports every part whose flow is not known.
-pub(crate) fn check(system: &mut System, diagnostics: &mut Diagnostics) {
-    let mut forms = Vec::new();
-    for part in 0..system.parts.len() {
-        let extent = system.parts[part].extent;
-        let form = form(system, part).map_err(|reason| messages::part_without_flow(extent, reason));
-        forms.extend(diagnostics.accept(form));
-    }
-    if forms.len() == system.parts.len()
-        && let Err((extent, reason)) = homes(system, &forms)
-    {
-        diagnostics.report(messages::acts_in_no_part(extent, reason, &system.converted_force()));
-    }
-}
-
 /// Whether forces and friction can join parts of these forms; if not, their spans and the reason.
-fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'static str)> {
+pub(crate) fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'static str)> {
     let System { graph, parts, t, force, friction, conformal, .. } = system;
     if forms.is_empty() {
         return Ok(());
@@ -75,7 +60,8 @@ fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'static str)> 
     Ok(())
 }
 
-fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
+/// The form of a part, or the reason why its flow is not known.
+pub(crate) fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
     let System { graph, parts, t, size, noise, conformal, .. } = system;
     let (term, others) = (&parts[part], &parts[..part]);
     if part > 0 && !noise.is_empty() {
