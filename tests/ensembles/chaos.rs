@@ -42,7 +42,7 @@ fn each_start_has_the_indicators_of_its_path() {
         let single = HenonHeiles.simulate::<Verlet>(0.1).start(start).until(30.0).indicators().unwrap();
         agree(&single, [all.megno[k], all.megno_mean[k], all.sali[k], all.gali[k], all.fli[k]], 1e-11);
     }
-    // Implicit steps, path by path.
+    // Implicit steps of stages, path by path.
     let implicit =
         HenonHeiles.ensemble::<Gauss<2>>(0.5).starts_from(grid(2)).until(20.0).indicators().unwrap();
     for (k, start) in grid(2).into_iter().enumerate() {
@@ -88,6 +88,55 @@ fn maps_have_the_same_bits_in_any_lanes_and_threads_and_after_a_stop() {
     assert!(map(6).handle(&handle).indicators().unwrap().is_partial);
 }
 
+/// In a bath, and with noise and friction that are part of the step.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - x.cos() - y.cos() + 0.5 * (x - y).powi(2),
+    friction = 0.2,
+    temperature = 0.1,
+    embedding = [Baoab, Gjf],
+)]
+struct Warm;
+
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - x.cos() - y.cos() + 0.5 * (x - y).powi(2),
+    noise = [|[x, _], [_, v]| 0.2 * x + 0.1 * x * v],
+    friction = 0.2,
+    embedding = [Midpoint, Gauss<2>, DeltaPlus],
+)]
+struct Shaken;
+
+/// Every scheme with a tangent has maps: of each path the numbers of its single run, and the same bits in any
+/// lanes and on any threads.
+#[test]
+fn implicit_steps_noise_friction_and_baths_have_maps() {
+    fn check<H, E>(system: &H, y: f64)
+    where
+        H: Discretized<E, Vector = SVector<f64, 2>> + Sync,
+    {
+        let starts = |k: usize| State::new([0.01 * k as f64, y], [0.3, -0.005 * k as f64]);
+        let map = || {
+            let starts = (0..37).map(starts);
+            system.ensemble::<E>(0.1).starts_from(starts).seed(8).until(4.96).quiet()
+        };
+        let all = map().threads(2).indicators().unwrap();
+        assert_eq!(map().threads(1).instructions(InstructionSet::Baseline).indicators().unwrap(), all);
+        for k in [0, 17, 36] {
+            let single =
+                system.simulate::<E>(0.1).start(starts(k)).noise(StepNormals::seed(8).path(k as u64));
+            let single = single.until(4.96).indicators().unwrap();
+            let own = [all.megno[k], all.megno_mean[k], all.sali[k], all.gali[k], all.fli[k]];
+            agree(&single, own, 1e-11);
+        }
+    }
+    check::<_, Baoab>(&Warm, 2.9);
+    check::<_, Gjf>(&Warm, 2.9);
+    check::<_, Midpoint>(&Shaken, 2.9);
+    check::<_, Gauss<2>>(&Shaken, 2.9);
+    check::<_, Midpoint>(&HenonHeiles, 0.1);
+    check::<_, Gauss<8>>(&HenonHeiles, 0.1);
+    check::<_, DeltaPlus>(&HenonHeiles, 0.1);
+}
+
 #[test]
 fn paths_that_escape_have_no_indicators_and_the_others_have() {
     let starts = [State::new([0.0, 1.5], [0.0, 0.9]), State::new([0.0, 0.1], [0.3, 0.0])];
@@ -96,6 +145,12 @@ fn paths_that_escape_have_no_indicators_and_the_others_have() {
     assert!(map.megno[0].is_nan() && map.sali[0].is_nan() && map.megno[1].is_finite());
     assert_eq!(map.failures.iter().map(|failure| failure.path).collect::<Vec<_>>(), [0]);
     assert!(matches!(run().allow_losses(0.1).indicators(), Err(wzvi::Error::Losses(_))));
+    // In lanes of implicit steps, too: the neighbours of a path without a solution have the bits that they
+    // have alone.
+    let beside = HenonHeiles.ensemble::<Midpoint>(0.1).starts_from(starts).until(30.0).indicators().unwrap();
+    let alone =
+        HenonHeiles.ensemble::<Midpoint>(0.1).starts_from([starts[1]]).until(30.0).indicators().unwrap();
+    assert!(beside.megno[0].is_nan() && beside.megno[1] == alone.megno[0], "{beside:?} {alone:?}");
 }
 
 #[test]

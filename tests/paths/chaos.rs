@@ -208,6 +208,21 @@ fn errors_are_none_where_a_run_does_not_know_them() {
     assert!(spectrum.values[0] < 3.0 * errors[0] && errors[0] < 0.02, "{spectrum:?}");
 }
 
+/// As other runs: a stop is an error that says how far the path and its copies were.
+#[test]
+fn runs_with_deviations_are_watched_and_stopped() {
+    let run = |steps| HenonHeiles.simulate::<Verlet>(0.1).start(on_axis(0.125, -0.25)).steps(steps);
+    let handle = Handle::new();
+    handle.stop();
+    assert!(matches!(run(1 << 40).handle(&handle).lyapunov(), Err(wzvi::Error::Stopped(_))));
+    assert!(matches!(run(1 << 40).handle(&handle).indicators(), Err(wzvi::Error::Stopped(_))));
+    assert!(matches!(run(1 << 40).stop_when(|| true).copies(2).lyapunov(), Err(wzvi::Error::Stopped(_))));
+    // Nobody stops it.
+    let handle = Handle::new();
+    let watched = run(300).handle(&handle).stop_when(|| false).copies(2).lyapunov().unwrap();
+    assert_eq!(watched, run(300).copies(2).lyapunov().unwrap());
+}
+
 #[test]
 fn series_are_recorded_on_request() {
     let run =

@@ -355,6 +355,89 @@ fn one_factorisation_serves_all_columns() {
     check::<Gauss<4>>(2, 100.0, 1.0);
 }
 
+/// Neither energy of it is alone in its variables; it reads the time.
+#[hamiltonian(
+    drift = |[x, y], [u, v], t| 0.5 * (u * u + v * v) * (1.0 + 0.3 * x * x) + 0.2 * u * y + 0.5 * (x * x + 2.0 * y * y)
+        + x * x * y + 0.3 * x * t.cos(),
+    noise = [|[x, y], [u, _]| 0.2 * x * y + 0.1 * u],
+    embedding = [Midpoint, Gauss<1>, Gauss<2>, Gauss<3>],
+)]
+struct Mixed;
+
+#[hamiltonian(
+    drift = |[x, y], [u, v], t| 0.5 * (u * u + 2.0 * v * v - u * v) + 0.5 * (x * x + 2.0 * y * y) + x * x * y + 0.3 * x * t.cos(),
+    noise = [|[x, y], [u, _]| 0.2 * x * y + 0.1 * u],
+    friction = 0.4,
+    embedding = [Midpoint, Gauss<1>, Gauss<2>, Gauss<3>],
+)]
+struct Slowed;
+
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + 2.0 * v * v - u * v) + 0.5 * (x * x + y * y) + x * x * y,
+    embedding = [Midpoint, Gauss<1>, Gauss<2>, Gauss<8>],
+)]
+struct Heavy;
+
+/// The step of one stage is the mid-point step, and its derivative by formulas of its own is that of the
+/// generated equations. With more stages they are symplectic, with friction up to its factor, and the slopes
+/// of the end.
+#[test]
+fn formulas_for_derivatives_of_stages_are_those_of_the_step() {
+    fn check<H, E>(system: &H, rate: f64, h: f64) -> DMatrix<f64>
+    where
+        H: Discretized<E, Vector = nalgebra::SVector<f64, 2>>,
+    {
+        let start = [0.3, -0.2, 0.4, 0.1];
+        let run = |[x, y, u, v]: [f64; 4]| {
+            system.simulate::<E>(h).start(State::new([x, y], [u, v])).noise(StepNormals::seed(1)).until(2.45)
+        };
+        let tangent = run(start).tangent().unwrap().by_start;
+        // Each step is conformal; `det = e^{-2 γ t}`.
+        let columns: Vec<Vec<f64>> =
+            tangent.column_iter().map(|column| column.iter().copied().collect()).collect();
+        let kept = (-rate * 2.45).exp();
+        assert!(form_apart(&columns, kept) < 1e-13, "{}", form_apart(&columns, kept));
+        for column in 0..4 {
+            let end = |distance: f64| {
+                let mut start = start;
+                start[column] += distance;
+                let end = *run(start).run().unwrap().last();
+                [end.q[0], end.q[1], end.p[0], end.p[1]]
+            };
+            for (row, (plus, minus)) in end(1e-5).into_iter().zip(end(-1e-5)).enumerate() {
+                let (ours, slope) = (tangent[(row, column)], (plus - minus) / 2e-5);
+                // The square of the distance times third derivatives, and a rounding over it.
+                assert!((ours - slope).abs() < 1e-8, "{row} {column}: {ours} {slope}");
+            }
+        }
+        tangent
+    }
+    // Roundings of 25 steps.
+    let one = check::<_, Gauss<1>>(&Mixed, 0.0, 0.1) - check::<_, Midpoint>(&Mixed, 0.0, 0.1);
+    assert!(one.abs().max() < 1e-13, "{one}");
+    let one = check::<_, Gauss<1>>(&Slowed, 0.4, 0.1) - check::<_, Midpoint>(&Slowed, 0.4, 0.1);
+    assert!(one.abs().max() < 1e-13, "{one}");
+    check::<_, Gauss<2>>(&Mixed, 0.0, 0.1);
+    check::<_, Gauss<3>>(&Mixed, 0.0, 0.2);
+    check::<_, Gauss<2>>(&Slowed, 0.4, 0.1);
+    check::<_, Gauss<3>>(&Slowed, 0.4, 0.2);
+    fn heavy<E>(h: f64) -> DMatrix<f64>
+    where
+        Heavy: Discretized<E, Vector = nalgebra::SVector<f64, 2>>,
+    {
+        let run = Heavy.simulate::<E>(h).start(State::new([0.3, 0.1], [-0.2, 0.3]));
+        let tangent = run.until(6.0).tangent().unwrap().by_start;
+        assert!(defect(&tangent) < 1e-13, "{}", defect(&tangent));
+        tangent
+    }
+    assert!((heavy::<Gauss<1>>(0.1) - heavy::<Midpoint>(0.1)).abs().max() < 1e-13);
+    // Both are the derivative of the flow to 11 digits; in the longer steps the matrix is not dominated by
+    // its diagonal.
+    let fine = heavy::<Gauss<8>>(0.25);
+    assert!((heavy::<Gauss<8>>(0.5) - &fine).abs().max() < 1e-11);
+    assert!((heavy::<Gauss<8>>(2.0) - fine).abs().max() < 1e-4);
+}
+
 /// A lattice whose matrix is not factored: the gradient of `q_0²` of the end along one direction of the start.
 #[test]
 fn columns_of_large_lattices_need_no_matrix() {

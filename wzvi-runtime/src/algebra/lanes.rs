@@ -246,6 +246,16 @@ impl<const L: usize> Scalar for Lanes<L> {
     type Mask = LaneMask<L>;
     type Constant = f64;
     type OfElements<T: Number<f64>> = Self;
+    type Value = Self;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn value(self) -> Self {
+        self
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_value(value: Self) -> Self {
+        value
+    }
     const LANES: usize = L;
     const IS_BESIDE: bool = true;
 

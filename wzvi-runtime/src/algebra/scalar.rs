@@ -74,6 +74,8 @@ pub trait Scalar:
     type Stages<const N: usize>: Stages<Self, N>;
     /// Numbers that are the same in all lanes: parameters, times and step sizes. With derivatives where the type has them.
     type Constant: Constant<Mask = bool, Constant = Self::Constant>;
+    /// The type of the number without its derivatives: the type itself where it has none.
+    type Value: Scalar<Mask = Self::Mask>;
     /// The number type in which elements of such vectors are evaluated: `T` for `f64`, else the type itself.
     type OfElements<T: Number<f64>>: Number<Self>;
 
@@ -108,18 +110,26 @@ pub trait Scalar:
 
     /// The number of one lane, without derivatives.
     fn lane(self, lane: usize) -> f64;
-    /// Derivatives that it carries, where they are of type `f64`.
+    /// Derivatives that it carries.
     const DERIVATIVES: usize = 0;
-    /// One of them.
-    fn derivative(self, _number: usize) -> f64 {
-        0.0
+    /// Whether it carries derivatives of type `f64`.
+    const IS_PLAIN_DUAL: bool = Self::DERIVATIVES > 0 && size_of::<Self::Value>() == size_of::<f64>();
+    /// The number without its derivatives.
+    fn value(self) -> Self::Value;
+    /// The number with this value, and derivatives of zero where it has some.
+    fn of_value(value: Self::Value) -> Self;
+    /// One of its derivatives.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn derivative(self, _number: usize) -> Self::Value {
+        Self::Value::from_f64(0.0)
     }
     /// Replaces one of them.
-    fn set_derivative(&mut self, _number: usize, _derivative: f64) {}
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn set_derivative(&mut self, _number: usize, _derivative: Self::Value) {}
     /// Its derivatives with the value 0.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn infinitesimal(self) -> Self {
-        self - Self::from_f64(self.lane(0))
+        self - Self::of_value(self.value())
     }
     /// How large the number is against `|other|`, part by part (value, derivatives, lanes): the largest ratio, 0 for a part
     /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to the divisor: a number that is nearest to
@@ -323,6 +333,16 @@ impl Scalar for f64 {
     type Constant = Self;
     type Stages<const N: usize> = Lanes<N>;
     type OfElements<T: Number<f64>> = T;
+    type Value = Self;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn value(self) -> Self {
+        self
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_value(value: Self) -> Self {
+        value
+    }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain(list: &[f64]) -> Option<&[f64]> {

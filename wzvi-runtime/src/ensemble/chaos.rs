@@ -62,7 +62,7 @@ where
     N: Noise,
 {
     /// MEGNO, SALI, GALI_2 and FLI of each path ([`chaos`](crate::path::chaos)), by two deviations. Steps are taken in dual numbers: in lanes where they are
-    /// explicit, else path by path.
+    /// explicit or in straight-line code, else path by path.
     ///
     /// ```ignore
     /// let map = henon_heiles.ensemble::<Verlet>(0.1).starts_from(grid).until(1000.0).indicators()?;

@@ -88,6 +88,11 @@ impl<'k> StepsShown<'k> {
         Self { line: is_due.then(|| (progress, Due::new(None, Some(PAUSE), first, end))), stop, first, end }
     }
 
+    /// Counts the steps before the first one as done, too: of one run of several.
+    pub(crate) fn with_those_before(self) -> Self {
+        Self { first: 0, ..self }
+    }
+
     /// The next node to look at.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn next(&self) -> u64 {

@@ -9,7 +9,7 @@ pub use adjoint::Adjoint;
 pub(crate) use bare::Bare;
 pub(crate) use run::{OnePath, Records, Run};
 pub use tangent::Tangent;
-pub(crate) use tangent::{BESIDE, Columns, SharedStep};
+pub(crate) use tangent::{BESIDE, Columns, Past, SharedStep};
 
 use std::marker::PhantomData;
 

@@ -28,11 +28,12 @@ mod stages;
 mod stiff;
 mod sweep;
 mod table;
+mod tangent;
 mod wide;
 
 use crate::algebra::carry::{self, Carry};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::{Constant, Constants, Of, Over, Parameters, Scalar};
+use crate::algebra::scalar::{Constant, Constants, Dual, Of, Over, Parameters, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::State;
 use crate::error::{ConfigError, StepFailure};
@@ -40,7 +41,9 @@ use crate::scheme::dense::Slopes;
 use crate::scheme::elements::{self, Elements, FieldAt, PairColumns, Taken, WindowPlan, Word};
 use crate::scheme::plan::{Facts, Plan, Solver};
 use crate::scheme::poles::Poles;
-use crate::scheme::system::{At, Lift, Movable, Properties, Scheme, Segment, as_they_are};
+use crate::scheme::system::{
+    At, DEVIATIONS, Lift, Movable, Properties, Scheme, Segment, TakenStep, as_they_are,
+};
 
 pub use crate::algebra::shape::{Dynamic, Fixed, Shape};
 pub use advance::Prepared;
@@ -170,6 +173,16 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
 
     fn hand_values<S: Scalar>(from: &Self::Memory<f64>, to: &mut Self::Memory<S>) {
         kept::hand_values(from, to);
+    }
+
+    fn multiply(
+        system: &F,
+        prepared: &Self::Prepared<f64>,
+        taken: TakenStep<'_, Self::Memory<f64>>,
+        room: &mut Self::Memory<f64>,
+        deviations: [&mut [Dual<DEVIATIONS>]; 2],
+    ) -> bool {
+        tangent::multiply(system, prepared, taken, room, deviations)
     }
 
     fn slopes_between(

@@ -20,7 +20,8 @@ use crate::scheme::plan::Plan;
 pub use own::{OneStep, Own, Scratch, StepField};
 pub use scheme::varied;
 pub use scheme::{
-    At, CarryOf, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, as_they_are,
+    At, CarryOf, DEVIATIONS, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, TakenStep,
+    as_they_are,
 };
 pub(crate) use scheme::{disequilibrium, varied_without_lists};
 pub use straight::{Solution, Straight, StraightLine, array_mut, covector, gradient, increments};

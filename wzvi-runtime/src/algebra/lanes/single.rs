@@ -159,6 +159,16 @@ impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
     type Mask = KnownTruth;
     type Constant = f64;
     type OfElements<T: Number<f64>> = Self;
+    type Value = Self;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn value(self) -> Self {
+        self
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_value(value: Self) -> Self {
+        value
+    }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {

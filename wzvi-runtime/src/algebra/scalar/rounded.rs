@@ -132,6 +132,16 @@ impl Scalar for Rounded {
     type Mask = bool;
     type Constant = f64;
     type OfElements<T: Number<f64>> = Self;
+    type Value = Self;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn value(self) -> Self {
+        self
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_value(value: Self) -> Self {
+        value
+    }
 
     functions_by_slope!(function);
 

@@ -1,9 +1,10 @@
 //! The equations of a block of a step, written once for numbers of all kinds.
+#![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
 use std::marker::PhantomData;
 
 use super::effort::Effort;
-use super::newton::Equations;
+use super::newton::{Equations, solve_pair};
 use crate::algebra::scalar::{Constant, Mask, Over, Rounded, Scalar};
 use crate::error::StepFailure;
 
@@ -30,9 +31,74 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
         given: Inputs<S, K, G, M, C, T>,
         x: &mut [S; N],
     ) -> Result<Effort, StepFailure> {
+        if const { S::DERIVATIVES > 0 } {
+            return Self::differentiate::<S, K, SYMMETRIC, GUESS, CAREFUL>(given, x);
+        }
         let posed = Posed::<Self, S, K, G, M, C, T> { given, block: PhantomData };
         S::newton::<N, SYMMETRIC, GUESS, CAREFUL>(x, posed)
     }
+
+    /// [`Block::newton`] for numbers with derivatives: `r(x; z) = 0` is solved for the values alone, and
+    /// `x' = -J⁻¹ r'` there, where `r'` are the derivatives of the residuals at unknowns without any.
+    ///
+    /// # Errors
+    /// The errors of the values, and of a Jacobian that has no inverse there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn differentiate<
+        S: Over<K>,
+        K: Constant,
+        const SYMMETRIC: bool,
+        const GUESS: bool,
+        const CAREFUL: bool,
+    >(
+        given: Inputs<S, K, G, M, C, T>,
+        x: &mut [S; N],
+    ) -> Result<Effort, StepFailure> {
+        let (numbers, masks, constants, truths) = given;
+        let values = (values_of(&numbers), masks, of_lane(constants, 0), truths_of_lane(truths, 0));
+        let mut solution = values_of(x);
+        let effort = Self::newton::<S::Value, f64, SYMMETRIC, GUESS, CAREFUL>(values, &mut solution)?;
+        for i in 0..N {
+            x[i] = S::of_value(solution[i]);
+        }
+        let (residual, jacobian) = Self::equations(given, *x);
+        let mut matrix = [[S::Value::from_f64(0.0); N]; N];
+        for i in 0..N {
+            for j in 0..N {
+                // Of a symmetric one the lower triangle is given.
+                let (i_given, j_given) = if SYMMETRIC && j > i { (j, i) } else { (i, j) };
+                matrix[i][j] = jacobian[i_given][j_given].value();
+            }
+        }
+        for number in 0..S::DERIVATIVES {
+            let mut side = [S::Value::from_f64(0.0); N];
+            for i in 0..N {
+                side[i] = -residual[i].derivative(number);
+            }
+            let slopes = solve_linear(&matrix, side)?;
+            for i in 0..N {
+                x[i].set_derivative(number, slopes[i]);
+            }
+        }
+        Ok(effort)
+    }
+}
+
+/// `A⁻¹ b`
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn solve_linear<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
+    if N == 1 {
+        let mut x = b;
+        x[0] = b[0] / matrix[0][0];
+        return Ok(x);
+    }
+    // Of paths side by side, each would take it or not on account of the others.
+    if !S::IS_BESIDE
+        && let Some(x) = solve_pair::<S, N, false>(matrix, &b)
+    {
+        return Ok(x);
+    }
+    S::linear(*matrix, b)
 }
 
 /// A block with its inputs.
@@ -73,6 +139,16 @@ where
         let given = (numbers, masks, of_lane(constants, lane), truths_of_lane(truths, lane));
         rounded::<B, G, M, C, T, N>(given, of_lane(*x, lane))
     }
+}
+
+/// Numbers without their derivatives.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn values_of<S: Scalar, const N: usize>(numbers: &[S; N]) -> [S::Value; N] {
+    let mut values = [S::Value::from_f64(0.0); N];
+    for i in 0..N {
+        values[i] = numbers[i].value();
+    }
+    values
 }
 
 // Functions of the numbers alone: a closure would be compiled again for every block.

@@ -267,7 +267,7 @@ fn pivoted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
 /// Two unknowns by Cramer's rule; `None` for another number of them, and where the determinant is negative or cancels so far that
 /// pivoting is worth its price.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn solve_pair<S: Scalar, const N: usize, const SYMMETRIC: bool>(
+pub(super) fn solve_pair<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     matrix: &[[S; N]; N],
     b: &[S; N],
 ) -> Option<[S; N]> {

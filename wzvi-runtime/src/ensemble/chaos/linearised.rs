@@ -191,8 +191,8 @@ impl<H: Discretized<E>, E> Scheme<Linearised<'_, H>> for WithDeviations<E> {
     const PLAN: Plan = Plan { solver: Solver::Explicit, ..H::PLAN };
     const PROPERTIES: Properties = Properties {
         remembers: H::PROPERTIES.remembers,
-        // Equations of a lane are solved without regard to others in lanes of plain numbers only.
-        in_lanes: H::PROPERTIES.in_lanes && matches!(H::PLAN.solver, Solver::Explicit),
+        in_lanes: H::PROPERTIES.in_lanes
+            && (matches!(H::PLAN.solver, Solver::Explicit) || H::PROPERTIES.differentiates_lanes),
         is_variational: false,
         ..Properties::of(&<Self as Scheme<Linearised<'_, H>>>::PLAN, 0)
     };
@@ -240,8 +240,18 @@ impl<H: Discretized<E>, E> Scheme<Linearised<'_, H>> for WithDeviations<E> {
             dual_dw[k].value = dw[k];
         }
         let step = At { t, h, q: &mut dual_q[..], p: &mut dual_p[..], dw: dual_dw };
-        let effort =
-            anew::advance::<H, SchemeOf<H, E>, f64, Number<S>>(system.system, prepared, step, inner)?;
+        // Of paths side by side none is solved with care on account of another: then they go one by one.
+        let effort = if S::LANES > 1 {
+            SchemeOf::<H, E>::advance::<f64, Number<S>, Plain, false>(
+                system.system,
+                prepared,
+                step,
+                inner,
+                &mut Plain,
+            )?
+        } else {
+            anew::advance::<H, SchemeOf<H, E>, f64, Number<S>>(system.system, prepared, step, inner)?
+        };
 
         let zero = S::from_f64(0.0);
         let mut squares = [zero; NUMBER];

@@ -9,7 +9,7 @@ use crate::error::{ConfigError, DerivativeError, StepError, StepFailure};
 use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::retry::Subdivision;
-use crate::path::simulate::{BESIDE, Columns, SharedStep};
+use crate::path::simulate::{BESIDE, Columns, Past, SharedStep};
 use crate::path::steps::Step;
 use crate::scheme::system::{Discretized, as_they_are};
 
@@ -88,7 +88,7 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
         whole: &mut Subdivision<'_, H, E, C>,
         step: Step<'_, H::Vector, N>,
     ) -> Result<(), Error> {
-        let Step { state, interval, noise, dw } = step;
+        let Step { state, interval, noise, dw: step_dw } = step;
         if whole.size() != self.h {
             self.h = whole.size();
             for columns in &mut self.blocks {
@@ -96,20 +96,19 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
             }
         }
         copy_state(&mut self.before, state);
-        let taken = whole.take_step(Step { state: &mut *state, interval, noise, dw: &mut *dw })?;
-        self.shared.begin(whole.memory(taken));
+        let taken = whole.take_step(Step { state: &mut *state, interval, noise, dw: &mut *step_dw })?;
+        self.shared.begin();
         self.dw.clear();
-        self.dw.extend(dw.iter().map(|dw| Dual::constant(*dw)));
+        self.dw.extend(step_dw.iter().map(|dw| Dual::constant(*dw)));
         let Self { system, h, blocks, shared, dw, before, end, .. } = self;
         let (step, t, h) = (interval.step, before.t, *h);
+        let past = Past { step, ends: [before, state], dw: &*step_dw, memory: whole.memory(taken) };
         for (block, columns) in blocks.iter_mut().enumerate() {
-            columns.vary_sharing(shared, system, step, [before, state], dw, end).map_err(
-                |cause| match cause {
-                    // The step itself has a finite end.
-                    StepFailure::NonFinite => lost(BESIDE * block, f64::INFINITY, step, t),
-                    cause => StepError { step, t, h, cause }.into(),
-                },
-            )?;
+            columns.multiply(shared, system, &past, dw, end).map_err(|cause| match cause {
+                // The step itself has a finite end.
+                StepFailure::NonFinite => lost(BESIDE * block, f64::INFINITY, step, t),
+                cause => StepError { step, t, h, cause }.into(),
+            })?;
             columns.rescale();
         }
         Ok(())

@@ -138,8 +138,8 @@ where
     N: Noise,
     S: Summation<H, E>,
 {
-    /// MEGNO, SALI, GALI and FLI of the path ([`chaos`](crate::path::chaos)), by four deviations, or two of one degree of freedom. Each step is repeated once in dual
-    /// numbers. With `record_every(n)` the result has their series, too.
+    /// MEGNO, SALI, GALI and FLI of the path ([`chaos`](crate::path::chaos)), by four deviations, or two of
+    /// one degree of freedom. With `record_every(n)` the result has their series, too.
     ///
     /// ```ignore
     /// let run = henon_heiles.simulate::<Verlet>(0.1).start(start).until(1e4);
@@ -147,7 +147,7 @@ where
     /// ```
     ///
     /// # Errors
-    /// The errors of [`Simulation::tangent`]. A run without steps is refused.
+    /// The errors of [`Simulation::tangent`]; [`Error::Stopped`]. A run without steps is refused.
     pub fn indicators(self) -> Result<Indicators, Error> {
         self.generic().indicators()
     }
@@ -166,7 +166,7 @@ where
     pub fn indicators(mut self) -> Result<Indicators, Error> {
         let stride = self.take_stride();
         let Self { run, given, .. } = self;
-        let mut bare = run.bare("indicators")?;
+        let mut bare = run.bare("indicators", true)?;
         let (start, grid) = (bare.start.clone(), bare.grid);
         let degrees = start.q.components().len();
         let number = given.as_ref().map_or(BESIDE.min(2 * degrees), Vec::len);

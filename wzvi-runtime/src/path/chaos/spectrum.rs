@@ -110,8 +110,9 @@ where
     N: Noise,
     S: Summation<H, E>,
 {
-    /// The Lyapunov exponents of the path, all of them ([`chaos`](crate::path::chaos)). Each step is repeated in dual numbers, four deviations at a time, and the
-    /// run is repeated for 8 copies ([`Simulation::copies`]). With `record_every(n)` the result has the series of the exponents, too.
+    /// The Lyapunov exponents of the path, all of them ([`chaos`](crate::path::chaos)). The run is repeated
+    /// for 8 copies ([`Simulation::copies`]). With `record_every(n)` the result has the series of the
+    /// exponents, too.
     ///
     /// ```ignore
     /// let run = henon_heiles.simulate::<Verlet>(0.1).start(start).until(1e4);
@@ -119,7 +120,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// The errors of [`Simulation::tangent`]; of copies, too. A run without steps, and deviations that are dependent, are refused.
+    /// The errors of [`Simulation::tangent`]; of copies, too; [`Error::Stopped`]. A run without steps, and
+    /// deviations that are dependent, are refused.
     pub fn lyapunov(self) -> Result<Spectrum, Error> {
         self.generic().lyapunov()
     }
@@ -159,7 +161,7 @@ where
     fn exponents(mut self, number: Option<usize>) -> Result<Spectrum, Error> {
         let stride = self.take_stride();
         let Self { run, given, copies } = self;
-        let mut bare = run.bare("lyapunov")?;
+        let mut bare = run.bare("lyapunov", true)?;
         let degrees = bare.start.q.components().len();
         let number = number.unwrap_or(2 * degrees);
         if number == 0 {
@@ -170,6 +172,7 @@ where
         }
         let deviations = chosen(given, number, degrees)?;
         let (start, is_driven) = (bare.start.clone(), bare.is_driven());
+        bare.runs = 1 + u64::from(copies);
         let path = Stretching::of(&mut bare, start.clone(), &deviations, stride, None)?;
         let mut others = Vec::new();
         for copy in 0..u64::from(copies) {

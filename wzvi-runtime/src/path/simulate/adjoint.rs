@@ -94,7 +94,7 @@ where
                  the adjoint 1 - l (`DeltaPlus` and `DeltaMinus`, `Lambda<N, D>` and `Lambda<D - N, D>`)"
             ));
         }
-        let bare = self.bare("adjoint")?;
+        let bare = self.bare("adjoint", false)?;
         let (system, h) = (bare.system, bare.h);
         let mut taken: Vec<Taken<H::Vector>> = Vec::new();
         let end = bare.run(|whole, step| {

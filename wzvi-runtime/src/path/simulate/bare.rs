@@ -4,7 +4,8 @@ use super::{Simulation, Summation, Unobserved};
 use crate::algebra::carry::Carry;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
-use crate::error::wrong;
+use crate::error::{StoppedError, wrong};
+use crate::ground::progress::StepsShown;
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::options::{Execution, Setup};
@@ -22,6 +23,11 @@ pub(crate) struct Bare<'a, H: Discretized<E>, E, N, C> {
     pub(crate) grid: Grid,
     whole: Subdivision<'a, H, E, C>,
     noise: Option<N>,
+    /// What shows how far it is, and stops it.
+    execution: Execution<'a>,
+    /// The number of its runs in all, and the steps of those before the present one.
+    pub(crate) runs: u64,
+    done: u64,
 }
 
 impl<'a, H, E, N, S> Simulation<'a, H, E, N, Unobserved, Whole, S>
@@ -30,11 +36,11 @@ where
     N: Noise,
     S: Summation<H, E>,
 {
-    /// The steps of the run, for the method `what`.
+    /// The steps of the run, for the method `what`; whether a handle or a function `may_stop` it.
     ///
     /// # Errors
     /// [`ConfigError::Setting`](crate::error::ConfigError::Setting) for settings that the method has no use for.
-    pub(crate) fn bare(self, what: &str) -> Result<Bare<'a, H, E, N, S::Carry>, Error> {
+    pub(crate) fn bare(self, what: &str, may_stop: bool) -> Result<Bare<'a, H, E, N, S::Carry>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
         let Setup {
             system,
@@ -49,9 +55,7 @@ where
             keeping,
             more: (),
         } = setup;
-        // Nothing is shown, and steps are not in lanes.
-        let Execution { threads, stop, handle, .. } = execution;
-        let mut whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
+        let mut whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(execution.threads)?)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         whole.watch.ends_after(grid.whole());
         let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
@@ -60,8 +64,8 @@ where
             ("`section`", !sections.is_empty()),
             ("`record_every` and `record_at`", is_recorded),
             ("a checkpoint", keeping.is_set()),
-            ("`handle`", handle.is_some()),
-            ("`stop_when`", stop.is_some()),
+            ("`handle`", !may_stop && execution.handle.is_some()),
+            ("`stop_when`", !may_stop && execution.stop.is_some()),
         ];
         if let Some((setting, _)) = unused.into_iter().find(|(_, is_set)| *is_set) {
             return wrong(format!("`{what}` has no use for {setting}: leave it out"));
@@ -71,7 +75,8 @@ where
         if let Some(noise) = &noise {
             poles::check::<H, E>(system, &start, h, &|h| noise.largest_increment(h))?;
         }
-        Ok(Bare { system, h, start, whole, grid, noise })
+        let execution = Execution { is_quiet: execution.is_quiet || !may_stop, ..execution };
+        Ok(Bare { system, h, start, whole, grid, noise, execution, runs: 1, done: 0 })
     }
 }
 
@@ -91,13 +96,19 @@ impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
     /// The same from another state, at the time of the start.
     ///
     /// # Errors
-    /// The first one of a step.
+    /// The first one of a step; [`Error::Stopped`].
     pub(crate) fn run_from(
         &mut self,
         mut state: State<H::Vector>,
         mut take: impl FnMut(&mut Subdivision<'a, H, E, C>, Step<'_, H::Vector, N>) -> Result<(), Error>,
     ) -> Result<State<H::Vector>, Error> {
-        let Self { system, whole, grid, noise, .. } = self;
+        let Self { system, whole, grid, noise, execution, runs, done, .. } = self;
+        let all = grid.steps.saturating_mul(*runs);
+        let stop = execution.stop.clone();
+        let stop = stop.as_deref().map(|stop| stop as &dyn Fn() -> bool);
+        let Execution { is_quiet, handle, .. } = &*execution;
+        let mut shown = StepsShown::new(*is_quiet, handle.clone(), stop, [*done, all]).with_those_before();
+        let mut due = shown.next();
         let mut dw = vec![0.0; system.increments(state.q.components().len())];
         let mut path =
             Single { stepper: &mut *whole, state: &mut state, noise, dw: &mut dw, first: grid.first() };
@@ -105,11 +116,19 @@ impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
             path.stepper.resize(size)?;
             for step in numbers {
                 let (whole, step) = path.step(step);
+                let node = *done + step.interval.step + 1;
                 take(whole, step)?;
+                if node >= due {
+                    if shown.look(node) {
+                        return Err(StoppedError { done: node, all }.into());
+                    }
+                    due = shown.next();
+                }
             }
         }
         path.state.t = grid.end.unwrap_or(path.state.t);
         whole.arrive(&state, grid)?;
+        *done += grid.steps;
         Ok(state)
     }
 

@@ -21,15 +21,18 @@ use crate::path::retry::Subdivision;
 use crate::path::steps::Step;
 use crate::scheme::continuation::is_near;
 use crate::scheme::system::{
-    At, Discretized, Hamiltonian, Lift, MemoryOf, PreparedOf, Scheme, SchemeOf, anew, as_they_are,
+    At, DEVIATIONS, Discretized, Hamiltonian, Lift, MemoryOf, PreparedOf, Scheme, SchemeOf, TakenStep, anew,
+    as_they_are,
 };
 
 /// Derivatives that are taken beside each other.
-pub(crate) const BESIDE: usize = 4;
+pub(crate) const BESIDE: usize = DEVIATIONS;
 type Number = Dual<BESIDE>;
 
 /// The exponent of two from which a column is scaled. One step, whose matrix is far below `2^500`, does not leave the range of numbers.
 const LARGE: i64 = 500;
+/// Sizes of columns between which no exponent is as large.
+const USUAL_SIZES: std::ops::Range<f64> = 1e-150..1e150;
 
 /// `x 2^exponent`
 pub(super) fn scaled(mut x: f64, mut exponent: i64) -> f64 {
@@ -73,9 +76,9 @@ where
     N: Noise,
     S: Summation<H, E>,
 {
-    /// Runs the path together with the derivative of its end by its start: dual numbers pass through every step, with the same increments.
+    /// Runs the path together with the derivative of its end by its start, with the same increments.
     /// An explicit step is repeated `⌈d/2⌉` times in dual numbers of four derivatives, for `d` degrees of freedom. An implicit one is solved without
-    /// them; one factorisation of its Jacobian at the solution serves all columns, `x' = (1 - ∂φ/∂x)⁻¹ φ'` for the equations `x = φ(x)`.
+    /// them; its Jacobian at the solution serves all columns, `x' = -J⁻¹ r'` for the equations `r(x) = 0`.
     ///
     /// ```ignore
     /// use wzvi::prelude::*;
@@ -123,7 +126,7 @@ where
     }
 
     fn varied(self, parameters: Option<&[&str]>) -> Result<Tangent<H::Vector>, Error> {
-        let bare = self.bare("tangent")?;
+        let bare = self.bare("tangent", false)?;
         let degrees = bare.start.q.components().len();
         let mut varied = Varied::<H, E>::new(bare.system, bare.h, &bare.start, parameters)?;
         let mut steps = 0;
@@ -185,22 +188,36 @@ pub(crate) struct SharedStep<H: Discretized<E>, E, const N: usize> {
     memory: MemoryOf<H, E, Dual<N>>,
     /// Whether they belong to the next step, too.
     is_solved: bool,
+    /// Scratch of formulas for the derivative, and whether it has what they need of this step.
+    room: MemoryOf<H, E, f64>,
+    is_linear: bool,
     /// The number of columns.
     count: usize,
+}
+
+/// A step that has been taken, and what it left where its derivatives may follow from that.
+pub(crate) struct Past<'a, H: Discretized<E>, E> {
+    pub(crate) step: u64,
+    pub(crate) ends: [&'a State<H::Vector>; 2],
+    pub(crate) dw: &'a [f64],
+    pub(crate) memory: Option<&'a MemoryOf<H, E, f64>>,
 }
 
 impl<H: Discretized<E>, E, const N: usize> SharedStep<H, E, N> {
     /// For so many columns.
     pub(crate) fn new(count: usize) -> Self {
-        Self { memory: Default::default(), is_solved: false, count }
+        Self {
+            memory: Default::default(),
+            is_solved: false,
+            room: Default::default(),
+            is_linear: false,
+            count,
+        }
     }
 
-    /// Begins a step, whose solution may be in the memory of a stepper that has taken it.
-    pub(crate) fn begin(&mut self, taken: Option<&MemoryOf<H, E, f64>>) {
-        self.is_solved = false;
-        if let Some(taken) = taken {
-            SchemeOf::<H, E>::hand_values(taken, &mut self.memory);
-        }
+    /// Begins another step.
+    pub(crate) fn begin(&mut self) {
+        (self.is_solved, self.is_linear) = (false, false);
     }
 }
 
@@ -247,6 +264,16 @@ where
     /// Divides columns by powers of two, so that the next step cannot leave the range of numbers. Only where steps multiply them: not
     /// where constants have derivatives, which steps add.
     pub(crate) fn rescale(&mut self) {
+        // The largest of each column at once, as nearly all steps leave them where they are.
+        let mut sizes = [0.0_f64; N];
+        for number in self.q.iter().chain(&self.p) {
+            for (size, derivative) in sizes.iter_mut().zip(number.derivative) {
+                *size = if derivative.abs() > *size { derivative.abs() } else { *size };
+            }
+        }
+        if sizes.iter().all(|size| USUAL_SIZES.contains(size)) {
+            return;
+        }
         for column in 0..N {
             let size = self.size(column);
             // Its exponent; that of zero is far below all others.
@@ -300,7 +327,8 @@ impl<H: Discretized<E>, E, K: Constant, const N: usize> Columns<H, E, K, N>
 where
     Dual<N>: Over<K>,
 {
-    /// [`Columns::vary`] with what other columns have found of the same step.
+    /// [`Columns::vary`] with what other columns have found of the same step, and with the solution that it
+    /// left.
     ///
     /// # Errors
     /// The errors of [`Columns::vary`].
@@ -308,17 +336,58 @@ where
         &mut self,
         shared: &mut SharedStep<H, E, N>,
         system: &H,
-        step: u64,
-        ends: [&State<H::Vector>; 2],
+        past: &Past<'_, H, E>,
         dw: &[Dual<N>],
         end: &mut H::Vector,
     ) -> Result<(), StepFailure> {
+        if !shared.is_solved
+            && let Some(taken) = past.memory
+        {
+            SchemeOf::<H, E>::hand_values(taken, &mut shared.memory);
+        }
         self.memory.tell(&Request::Derivatives(shared.count));
         shared.memory.hand_values(&mut self.memory, shared.is_solved);
-        let varied = self.vary(system, step, ends, dw, end);
+        let varied = self.vary(system, past.step, past.ends, dw, end);
         self.memory.hand_values(&mut shared.memory, false);
         shared.is_solved = varied.is_ok();
         varied
+    }
+}
+
+impl<H: Discretized<E>, E> Columns<H, E, f64, BESIDE> {
+    /// [`Columns::vary_sharing`], by formulas for the derivative of the step where its scheme has some.
+    ///
+    /// # Errors
+    /// The errors of [`Columns::vary`].
+    pub(crate) fn multiply(
+        &mut self,
+        shared: &mut SharedStep<H, E, BESIDE>,
+        system: &H,
+        past: &Past<'_, H, E>,
+        dw: &[Dual<BESIDE>],
+        end: &mut H::Vector,
+    ) -> Result<(), StepFailure> {
+        let Some(memory) = past.memory else {
+            return self.vary_sharing(shared, system, past, dw, end);
+        };
+        let before = past.ends[0];
+        let taken = TakenStep {
+            t: before.t,
+            h: self.h,
+            q: before.q.components(),
+            p: before.p.components(),
+            dw: past.dw,
+            memory,
+            is_first: !shared.is_linear,
+        };
+        let deviations = [&mut self.q[..], &mut self.p[..]];
+        if !SchemeOf::<H, E>::multiply(system, &self.prepared, taken, &mut shared.room, deviations) {
+            return self.vary_sharing(shared, system, past, dw, end);
+        }
+        shared.is_linear = true;
+        let mut zero = Dual::<BESIDE>::default();
+        self.q.iter().chain(&self.p).for_each(|number| zero = zero + number.infinitesimal() * 0.0);
+        if zero == Dual::default() { Ok(()) } else { Err(StepFailure::NonFinite) }
     }
 }
 
@@ -419,19 +488,27 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
     ///
     /// # Errors
     /// If a step has no solution, another one, or no finite derivative.
-    fn vary(&mut self, step: u64, after: &State<H::Vector>, dw: &[f64]) -> Result<(), Error> {
+    fn vary(
+        &mut self,
+        step: u64,
+        after: &State<H::Vector>,
+        dw: &[f64],
+        memory: Option<&MemoryOf<H, E, f64>>,
+    ) -> Result<(), Error> {
         let Self { system, by_start, by_constants, shared, dw: own, before, end, .. } = self;
         own.clear();
         own.extend(dw.iter().map(|dw| Dual::constant(*dw)));
+        shared.begin();
+        let past = Past { step, ends: [before, after], dw, memory };
         let mut failed = None;
         for (block, columns) in by_start.iter_mut().enumerate() {
-            let varied = columns.vary_sharing(shared, system, step, [before, after], own, end);
+            let varied = columns.multiply(shared, system, &past, own, end);
             failed =
                 failed.or(varied.err().map(|cause| (cause, By::Start(BESIDE * block + columns.largest()))));
             columns.rescale();
         }
         for (block, columns) in by_constants.iter_mut().enumerate() {
-            let varied = columns.vary_sharing(shared, system, step, [before, after], own, end);
+            let varied = columns.vary_sharing(shared, system, &past, own, end);
             failed = failed
                 .or(varied.err().map(|cause| (cause, By::Constant(BESIDE * block + columns.largest()))));
         }
@@ -486,8 +563,7 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
         }
         copy_state(&mut self.before, state);
         let taken = whole.take_step(Step { state, interval, noise, dw })?;
-        self.shared.begin(whole.memory(taken));
-        self.vary(interval.step, state, dw)
+        self.vary(interval.step, state, dw, whole.memory(taken))
     }
 
     /// Goes on with a last step of another size, after so many steps.

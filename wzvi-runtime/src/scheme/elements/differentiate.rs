@@ -90,11 +90,11 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
                 Linear::Krylov(_) => {
                     for number in 0..S::DERIVATIVES {
                         for (own, residual) in lists.correction.iter_mut().zip(&*all.correction) {
-                            *own = residual.derivative(number);
+                            *own = residual.derivative(number).lane(0);
                         }
                         step.correct(&mut lists, diagonal, linear, TOLERANCE)?;
                         for (correction, own) in all.correction.iter_mut().zip(&*lists.correction) {
-                            correction.set_derivative(number, *own);
+                            correction.set_derivative(number, S::Value::from_f64(*own));
                         }
                     }
                 }

@@ -341,7 +341,7 @@ impl<S: Scalar> Numbers for Memory<S> {
             }
         }
         self.solver.kept.pass(tape);
-        if const { S::DERIVATIVES > 0 } {
+        if const { S::IS_PLAIN_DUAL } {
             let mut is_there = self.values.is_some();
             tape.flag(&mut is_there);
             if is_there {

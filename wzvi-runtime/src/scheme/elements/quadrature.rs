@@ -86,7 +86,7 @@ impl Quadrature {
     /// Whether implicit steps in numbers with derivatives are solved for the values first. Linear equations are solved by one correction in any numbers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) const fn takes_values_first<S: Scalar>(&self) -> bool {
-        S::DERIVATIVES > 0 && !self.is_linear && !matches!(self.unknowns, Unknowns::None)
+        S::IS_PLAIN_DUAL && !self.is_linear && !matches!(self.unknowns, Unknowns::None)
     }
 
     /// For steps in straight-line code: only the momentum between two states, if anything, is solved with it.

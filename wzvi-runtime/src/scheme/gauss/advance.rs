@@ -149,6 +149,10 @@ impl<const N: usize> Common<N> {
         &self.table
     }
 
+    pub(super) fn instructions(&self) -> InstructionSet {
+        self.instructions
+    }
+
     pub(super) fn modes(&self) -> Option<&Modes<N>> {
         self.modes.as_ref()
     }

@@ -75,7 +75,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         left: &mut LeftOf<F, S, N>,
         carry: &C,
     ) -> Result<Solved<S>, StepFailure> {
-        let solved = if const { S::DERIVATIVES > 0 } && self.factors_once(left) {
+        let solved = if const { S::IS_PLAIN_DUAL } && self.factors_once(left) {
             self.differentiate::<CAREFUL>(state, dw, lists, left)?
         } else {
             self.solve::<CAREFUL>(lists, left)?

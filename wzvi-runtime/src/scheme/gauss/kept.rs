@@ -6,6 +6,7 @@ use super::choice::Waits;
 use super::newton::Newton;
 use super::stages::{Part, Scratch, Stages};
 use super::stiff::Modal;
+use super::tangent::Linear;
 use crate::algebra::memory::{Iteration, Report, Request, StepMemory};
 use crate::algebra::scalar::{Rounded, Scalar};
 use crate::algebra::shape::Shape;
@@ -51,6 +52,8 @@ pub(super) struct Left<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) modal: Modal<S::Stages<N>>,
     pub(super) newton: Newton<S>,
     pub(super) exact: Exact<H, W, N>,
+    /// The derivative of a step, which few runs ask for.
+    pub(super) linear: Option<Box<Linear<N>>>,
     /// Scratch for a path that is solved alone.
     pub(super) alone: Option<Box<Alone<H, W, N>>>,
     /// What is known of the step of that path.
@@ -205,10 +208,18 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Left<S, H, W, N>
             modal: Modal::default(),
             newton: Newton::default(),
             exact: Exact(None),
+            linear: None,
             alone: None,
             known: Known::Nothing,
             derivatives: 0,
         }
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Left<S, H, W, N> {
+    /// Whether there are slopes of a step of so many degrees of freedom.
+    pub(super) fn has_slopes(&self, degrees: usize) -> bool {
+        self.past[1].as_ref().len() == degrees
     }
 }
 
@@ -240,7 +251,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for Memory<S, H, W, 
                 past.as_mut().iter_mut().for_each(|number| number.pass(tape));
             }
         }
-        if const { S::DERIVATIVES > 0 } {
+        if const { S::IS_PLAIN_DUAL } {
             let mut is_there = self.left.alone.is_some();
             tape.flag(&mut is_there);
             if is_there {

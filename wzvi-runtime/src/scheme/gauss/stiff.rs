@@ -156,7 +156,11 @@ impl<const N: usize> Modes<N> {
 }
 
 /// `M⁻¹`: the slopes of the kinetic energy at the unit momenta.
-fn inverse_mass<F: Field>(system: &F, parameters: &Of<F::Parameters, f64>, degrees: usize) -> DMatrix<f64> {
+pub(super) fn inverse_mass<F: Field>(
+    system: &F,
+    parameters: &Of<F::Parameters, f64>,
+    degrees: usize,
+) -> DMatrix<f64> {
     let (q, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
     let [mut p, mut by_q, mut by_p] = [q.clone(), q.clone(), q.clone()];
     let mut matrix = DMatrix::zeros(degrees, degrees);

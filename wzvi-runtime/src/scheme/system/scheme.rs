@@ -6,7 +6,7 @@ use super::{Discretized, Exchange, Hamiltonian, LagrangianGradient, Segment, by_
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
-use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure, wrong};
@@ -81,6 +81,28 @@ impl<'a, S, K, V: Movable<S> + ?Sized> At<'a, S, K, V> {
     }
 }
 
+/// Deviations from a path that are multiplied at once, as derivatives of dual numbers.
+pub const DEVIATIONS: usize = 4;
+
+/// A step that has been taken: where it began, and the memory that it left.
+#[derive(Debug)]
+pub struct TakenStep<'a, M> {
+    /// [`At::t`] and [`At::h`]
+    pub t: f64,
+    /// The step size.
+    pub h: f64,
+    /// Coordinates at its start.
+    pub q: &'a [f64],
+    /// Momenta there.
+    pub p: &'a [f64],
+    /// Its increments.
+    pub dw: &'a [f64],
+    /// What it left for the next step.
+    pub memory: &'a M,
+    /// Whether these are the first of its deviations.
+    pub is_first: bool,
+}
+
 /// A parameter of the system as a constant of a step, from its number among [`Hamiltonian::parameter`] and its value.
 pub type Lift<'l, K> = &'l dyn Fn(usize, f64) -> K;
 
@@ -131,6 +153,8 @@ pub struct Properties {
     pub remembers: bool,
     /// Whether paths run in lanes: not with iterations over loops in large systems, nor with linear equations there.
     pub in_lanes: bool,
+    /// Whether equations of implicit steps are solved by lane in numbers with derivatives, too.
+    pub differentiates_lanes: bool,
     /// The number of degrees of freedom from which the step of a single path is vectorised; paths then run one after the other, and stay in
     /// the cache. `usize::MAX` if steps are never vectorised so.
     pub fills_registers_from: usize,
@@ -165,6 +189,7 @@ impl Properties {
             stages: if matches!(plan.solver, Solver::Explicit) { 0 } else { 1 },
             remembers: matches!(plan.noise, NoiseClass::None) && memory != 0,
             in_lanes: true,
+            differentiates_lanes: false,
             fills_registers_from: usize::MAX,
             dense_order: hermite_order(plan),
             has_polynomial: false,
@@ -246,6 +271,21 @@ pub trait Scheme<H: Hamiltonian> {
     /// Hands the solution of the last step to the memory of a step in numbers with derivatives from the same state, which need not be solved again then.
     fn hand_values<S: Scalar>(from: &Self::Memory<f64>, to: &mut Self::Memory<S>) {
         let _ = (from, to);
+    }
+
+    /// Multiplies deviations from the path by the derivative of the step that was taken, where the scheme has
+    /// formulas for it. False, with nothing done, where the step is to be repeated in dual numbers. `room`
+    /// keeps what further deviations of the same step need.
+    #[doc(hidden)]
+    fn multiply(
+        system: &H,
+        prepared: &Self::Prepared<f64>,
+        taken: TakenStep<'_, Self::Memory<f64>>,
+        room: &mut Self::Memory<f64>,
+        deviations: [&mut [Dual<DEVIATIONS>]; 2],
+    ) -> bool {
+        let _ = (system, prepared, taken, room, deviations);
+        false
     }
 
     /// The slopes of the scheme's own polynomial, for the last step recorded in `memory`.

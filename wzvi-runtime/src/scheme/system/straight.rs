@@ -174,6 +174,7 @@ where
 {
     const PLAN: Plan = H::PLAN;
     const PROPERTIES: Properties = Properties {
+        differentiates_lanes: true,
         kept_energy: H::QUADRATURE.kept_energy(H::PLAN.order),
         poles: H::QUADRATURE.poles(),
         ..Properties::of(&H::PLAN, size_of::<H::Memory<f64>>())
