@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
-use std::ops::{AddAssign, Range};
+use std::ops::AddAssign;
 
 use crate::ground::numbers::{Numbers, for_tuples};
 
@@ -64,8 +64,6 @@ pub enum Request {
     Pin(Iteration),
     /// Take large steps on this many threads.
     Share(Threads),
-    /// Solve some of the [blocks](Report::blocks) alone, and leave the others where they are.
-    Restrict(Range<usize>),
     /// So many derivatives of each step follow from one solution of its equations, over all steps in numbers with derivatives.
     Derivatives(usize),
 }
@@ -77,8 +75,6 @@ pub struct Report {
     pub pinned: Iteration,
     /// How linear equations are solved, where a system of any size has some.
     pub method: Option<Method>,
-    /// The number of blocks of equations without a common unknown, as far as careful steps have found them.
-    pub blocks: usize,
     /// The cost of linear equations.
     pub linear_work: LinearWork,
 }
@@ -86,7 +82,7 @@ pub struct Report {
 impl Default for Report {
     fn default() -> Self {
         let (pinned, linear_work) = (Iteration::Automatic, LinearWork::default());
-        Self { pinned, method: None, blocks: 1, linear_work }
+        Self { pinned, method: None, linear_work }
     }
 }
 
@@ -159,7 +155,7 @@ impl<M: StepMemory> StepMemory for Vec<M> {
         let mut linear_work = LinearWork::default();
         self.iter().for_each(|memory| linear_work += memory.linear_work());
         let first = self.first().map_or_else(Report::default, M::report);
-        Report { blocks: 1, linear_work, ..first }
+        Report { linear_work, ..first }
     }
 }
 

@@ -26,7 +26,6 @@ pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use effort::{Doubt, Effort};
 pub use extrapolation::Extrapolation;
 pub use factors::FactorsByLane;
-pub(crate) use graph::Apart;
 pub use graph::reverse_cuthill_mckee;
 pub(crate) use krylov::power_of_two;
 pub use krylov::{Krylov, Operator};

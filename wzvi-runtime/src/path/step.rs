@@ -458,7 +458,6 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             p: state.p.clone(),
             dw: List::of(dw),
             carry: if is_moved { C::default() } else { self.carry.clone() },
-            blocks: None,
         };
         // Care takes Newton's method, which a pinned fixed point excludes.
         let is_iterated = pinned != Iteration::FixedPoint;

@@ -23,11 +23,6 @@
 //! A stiff force far from equilibrium oscillates many times along `λ`, and no reasonable number of parts resolves that. Then the solution from
 //! zero is taken if its Jacobian has a positive determinant (and is definite, if it is symmetric), as the connected one has and the next one has
 //! not, and the step is reported as doubtful.
-//!
-//! Equations may fall into blocks without common unknowns, as for uncoupled sites. Then each half of the blocks is solved separately, recursively
-//! while a doubt remains, so that only hard blocks are followed, each with its own parts.
-
-use std::ops::Range;
 
 use crate::algebra::carry::Carry;
 use crate::algebra::few::{Few, List};
@@ -71,8 +66,6 @@ pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
     pub(crate) p: H::Vector,
     pub(crate) dw: List<'a, f64>,
     pub(crate) carry: C,
-    /// The numbers of the blocks of equations to solve; all blocks if `None`.
-    pub(crate) blocks: Option<Range<usize>>,
 }
 
 /// A step taken with care.
@@ -111,7 +104,7 @@ pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
     if cause.is_of_arguments() || !are_finite(lists) {
         return Err(cause);
     }
-    hard.solve_blocks()
+    hard.solve_or_follow()
 }
 
 fn are_finite(lists: [&[f64]; 4]) -> bool {
@@ -136,17 +129,16 @@ pub(crate) enum Cause {
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
-    /// Solves all blocks at once; if a doubt remains, each half separately, and a single block along the step.
-    fn solve_blocks(&self) -> Outcome<H, E, C> {
-        let mut memory = self.memory();
+    /// Solves the step at once; if a doubt remains, along the step.
+    fn solve_or_follow(&self) -> Outcome<H, E, C> {
+        let mut memory = MemoryOf::<H, E, f64>::default();
         let found = self.solve(&self.prepared, self.h, &self.dw, &mut memory);
-        match (found, self.blocks.clone().unwrap_or(0..memory.report().blocks)) {
-            (Ok(found), _) if found.effort.is_certain() => Ok(found.leaving(memory)),
-            (Ok(found), _) if found.effort.is_unbounded() && !found.effort.is_elsewhere() => {
+        match found {
+            Ok(found) if found.effort.is_certain() => Ok(found.leaving(memory)),
+            Ok(found) if found.effort.is_unbounded() && !found.effort.is_elsewhere() => {
                 Ok(found.leaving(memory))
             }
-            (_, blocks) if blocks.len() > 1 => self.solve_halves(blocks),
-            (found, _) => match self.follow() {
+            found => match self.follow() {
                 Ok(end) => Ok(end),
                 Err(End { reached, cause: Cause::Fold }) => Err(StepFailure::NoSolution { reached }),
                 Err(End { reached, cause }) => match found {
@@ -159,33 +151,6 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                 },
             },
         }
-    }
-
-    /// Solves each half of the blocks: as no block reads another, the second half starts where the first one ends.
-    fn solve_halves(&self, blocks: Range<usize>) -> Outcome<H, E, C> {
-        let middle = blocks.start + blocks.len() / 2;
-        let part = |blocks, q: &H::Vector, p: &H::Vector, carry: &C| Hard {
-            prepared: self.prepared.clone(),
-            dw: List::of(&self.dw),
-            q: q.clone(),
-            p: p.clone(),
-            carry: carry.clone(),
-            blocks: Some(blocks),
-            ..*self
-        };
-        let first = part(blocks.start..middle, &self.q, &self.p, &self.carry).solve_blocks()?;
-        let second = part(middle..blocks.end, &first.q, &first.p, &first.carry).solve_blocks()?;
-        // The memory of one half does not predict the other.
-        Ok(Continued { memory: Default::default(), effort: first.effort + second.effort, ..second })
-    }
-
-    /// An empty memory for steps of the blocks.
-    fn memory(&self) -> MemoryOf<H, E, f64> {
-        let mut memory = MemoryOf::<H, E, f64>::default();
-        if let Some(blocks) = &self.blocks {
-            memory.tell(&Request::Restrict(blocks.clone()));
-        }
-        memory
     }
 
     /// Checks the end `[q, p]` that the fast solver found for a first step, or for one after a hard step, without a prediction. Returns the solution that
@@ -258,7 +223,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             }
         };
         let mut at = [self.q.clone(), self.p.clone()];
-        let mut memory = self.memory();
+        let mut memory = MemoryOf::<H, E, f64>::default();
         let (mut kink, mut is_steep) = (Kink::of(&at), true);
         let (mut reached, mut part, mut iterations, mut tried_so_far) = (0.0, LONGEST, 0, 0.0);
         while tried_so_far < MOST_TRIED[0] + reached * (MOST_TRIED[1] - MOST_TRIED[0]) {

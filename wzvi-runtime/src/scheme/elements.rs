@@ -28,7 +28,6 @@
 
 mod bath;
 mod beside;
-mod blocks;
 mod careful;
 mod change;
 mod costs;

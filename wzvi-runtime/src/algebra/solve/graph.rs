@@ -41,51 +41,6 @@ impl Neighbours {
     }
 }
 
-/// Unknowns, in parts that no pair joins.
-#[derive(Clone, Debug)]
-pub(crate) struct Apart {
-    /// For each unknown another one of its part, or itself: one of each part is itself.
-    towards: Vec<usize>,
-    parts: usize,
-}
-
-impl Apart {
-    /// Each by itself.
-    pub(crate) fn new(n: usize) -> Self {
-        Self { towards: (0..n).collect(), parts: n }
-    }
-
-    /// The unknown that stands for the part of this one.
-    fn find(&mut self, mut unknown: usize) -> usize {
-        while self.towards[unknown] != unknown {
-            self.towards[unknown] = self.towards[self.towards[unknown]];
-            unknown = self.towards[unknown];
-        }
-        unknown
-    }
-
-    /// The two are in one part, with the number of the first.
-    pub(crate) fn join(&mut self, a: usize, b: usize) {
-        if self.parts > 1 {
-            let [a, b] = [self.find(a), self.find(b)];
-            self.towards[a.max(b)] = a.min(b);
-            self.parts -= usize::from(a != b);
-        }
-    }
-
-    /// How many parts there are, and the part of each unknown, in the order in which they begin.
-    pub(crate) fn parts(mut self) -> (usize, Vec<usize>) {
-        let mut part = vec![0; self.towards.len()];
-        let mut next = 0;
-        for unknown in 0..part.len() {
-            let first = self.find(unknown);
-            part[unknown] = if first == unknown { next } else { part[first] };
-            next += usize::from(first == unknown);
-        }
-        (next, part)
-    }
-}
-
 /// The position of each unknown in an order where neighbours are near each other. No pair twice.
 pub fn reverse_cuthill_mckee(n: usize, pairs: &[(usize, usize)]) -> Vec<usize> {
     let neighbours = Neighbours::new(n, pairs);

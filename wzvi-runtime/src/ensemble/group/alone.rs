@@ -137,7 +137,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let State { q, p, t } = self.state_of(lane, t);
         let (system, prepared) = self.system_of(lane);
         let (h, dw) = (self.size, List::of(self.increments_of(lane, step)));
-        let hard = Hard { system, prepared, t, h, q, p, dw, carry: Plain, blocks: None };
+        let hard = Hard { system, prepared, t, h, q, p, dw, carry: Plain };
         let solved = solve_by_continuation(hard, cause);
         let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
         self.put_hard(lane, step, &mut solved, memory)
@@ -219,7 +219,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             _ => {
                 let (system, prepared) = self.system_of(lane);
                 let (h, q, p, dw) = (self.size, q.clone(), p.clone(), List::of(&[]));
-                (Hard { system, prepared, t, h, q, p, dw, carry: Plain, blocks: None }, Default::default())
+                (Hard { system, prepared, t, h, q, p, dw, carry: Plain }, Default::default())
             }
         };
         hard.q.clone_from(q);

@@ -49,7 +49,7 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
     }
 
     fn report(&self) -> Report {
-        Report { blocks: 1, ..self.parts.report() }
+        self.parts.report()
     }
 }
 

@@ -1,6 +1,5 @@
 //! The equations of a step in the form that [`damped`] takes, for steps where the fast iteration fails.
 
-use super::blocks::Blocks;
 use super::linear::Linear;
 use super::memory::{Care, Lists, Scratch, Solver};
 use super::rounding::Rounding;
@@ -18,15 +17,6 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[inline(never)]
     pub(super) fn careful(self, memory: &mut Memory<S>) -> Result<Effort, StepFailure> {
         memory.solver.kept.lose();
-        let mut blocks = std::mem::take(&mut memory.blocks);
-        blocks.find(self.system, self.scheme, self.degrees());
-        let effort = self.careful_of(memory, &blocks);
-        memory.blocks = blocks;
-        effort
-    }
-
-    /// The same for some blocks.
-    fn careful_of(self, memory: &mut Memory<S>, blocks: &Blocks) -> Result<Effort, StepFailure> {
         let known = memory.known;
         let mut scratch = memory.scratch(self.scheme, self.degrees());
         scratch.guess(known);
@@ -36,7 +26,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         start.clear();
         start.extend_from_slice(lists.x);
         let lists = &mut lists;
-        let mut sweep = Sweep { step: self, blocks, lists, diagonal, linear, rounding, are_settled };
+        let mut sweep = Sweep { step: self, lists, diagonal, linear, rounding, are_settled };
         let effort = damped(&mut sweep, room, start)?;
         lists.x.copy_from_slice(room.solution());
         self.refresh(lists);
@@ -47,23 +37,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 /// The equations of a step with their scratch.
 struct Sweep<'a, 's, H, S: Scalar> {
     step: Step<'s, H, S>,
-    blocks: &'a Blocks,
     lists: &'a mut Lists<'s, S>,
     diagonal: &'a mut [S],
     linear: &'a mut Linear<S>,
     rounding: &'a mut Option<Box<Rounding>>,
     are_settled: &'a mut Vec<bool>,
-}
-
-impl<H: Elements, S: Scalar> Sweep<'_, '_, H, S> {
-    /// Sets the unknowns of other blocks to zero.
-    fn hold(&self, numbers: &mut [S]) {
-        for (unknown, number) in numbers.iter_mut().enumerate() {
-            if self.blocks.holds_unknown(self.step.scheme.unknowns, unknown) {
-                *number = S::from_f64(0.0);
-            }
-        }
-    }
 }
 
 impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
@@ -74,39 +52,28 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
         self.lists.x.copy_from_slice(x);
         self.step.residual(self.lists);
         into.copy_from_slice(self.lists.correction);
-        self.hold(into);
     }
 
     fn factor(&mut self) -> Result<usize, StepFailure> {
-        let (blocks, unknowns) = (self.blocks, self.step.scheme.unknowns);
-        let is_held = |unknown| blocks.holds_unknown(unknowns, unknown);
-        self.step.factor_with_care(self.lists, self.diagonal, self.linear, &is_held)
+        self.step.factor_with_care(self.lists, self.diagonal, self.linear)
     }
 
     fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {
         self.lists.correction.copy_from_slice(r);
         self.step.correct(self.lists, self.diagonal, self.linear, TOLERANCE)?;
         r.copy_from_slice(self.lists.correction);
-        self.hold(r);
         Ok(())
     }
 
     fn are_settled(&mut self, x: &Vec<S>) -> impl AsRef<[bool]> {
         self.are_settled.clear();
-        for (unknown, residual) in self.step.round(x, self.rounding).iter().enumerate() {
-            let is_held = self.blocks.holds_unknown(self.step.scheme.unknowns, unknown);
-            self.are_settled.push(residual.is_below(1.0) || is_held);
-        }
+        let residuals = self.step.round(x, self.rounding);
+        self.are_settled.extend(residuals.iter().map(|residual| residual.is_below(1.0)));
         &*self.are_settled
     }
 
     /// `false` if the determinant is not known.
     fn is_reversed(&self) -> bool {
-        match &*self.linear {
-            Linear::Band(band) => {
-                self.blocks.is_any_reversed(self.step.scheme.unknowns, |unknown| band.reverses(unknown))
-            }
-            Linear::Krylov(_) => self.linear.is_reversed(),
-        }
+        self.linear.is_reversed()
     }
 }

@@ -55,10 +55,6 @@ fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: boo
 ) -> Result<Effort, StepFailure> {
     // A memory of another size is replaced only if the step succeeds.
     let mut anew = None;
-    if CAREFUL && memory.is_new() {
-        // In place, so that the blocks are known even if the step fails.
-        memory.fit(system, scheme, at.q.len())?;
-    }
     let fitting = if memory.fits(system, at.q.len()) {
         &mut *memory
     } else {
@@ -97,9 +93,6 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
         let effort = step.careful(memory)?;
         let mut lists = memory.work.lists(scheme, degrees);
         step.finish(&mut lists);
-        for degree in (0..degrees).filter(|&degree| memory.blocks.holds(degree)) {
-            (lists.u[degree], lists.by_p[degree]) = (S::from_f64(0.0), S::from_f64(0.0));
-        }
         lists.store(q, p, carry)?;
         // With noise, too: where a solution is followed over parts of a step, each part starts from the one before.
         memory.record(scheme, degrees);

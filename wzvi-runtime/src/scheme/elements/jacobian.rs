@@ -91,7 +91,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// [`Step::factor`] without the rows that are held and without entries that are not finite; returns the number of the latter.
+    /// [`Step::factor`] without entries that are not finite; returns their number.
     ///
     /// # Errors
     /// The errors of [`Step::factor`].
@@ -100,13 +100,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         lists: &Lists<'_, S>,
         diagonal: &mut [S],
         linear: &mut Linear<S>,
-        is_held: &dyn Fn(usize) -> bool,
     ) -> Result<usize, StepFailure> {
         self.differentiate_velocities(lists, diagonal);
         let mut left_out = 0;
         let mut add = |into: Rarely<'_, S>| {
             self.entries_rarely(lists, diagonal, &mut |i, j, value| match value.magnitude().is_finite() {
-                _ if is_held(i) => {}
                 true => into(i, j, value),
                 false => left_out += 1,
             });

@@ -1,6 +1,5 @@
 //! The memory of a stepper of a system of elements, allocated once.
 
-use super::blocks::Blocks;
 use super::costs::Costs;
 use super::differentiate::Values;
 use super::jacobian::{Visit, pattern};
@@ -26,8 +25,6 @@ pub struct Memory<S: Scalar> {
     pub(super) work: Work<S>,
     pub(super) known: u8,
     pub(super) solver: Solver<S>,
-    /// The blocks that a careful step solves.
-    pub(super) blocks: Blocks,
     /// The windows of explicit steps of a large system.
     pub(super) plan: WindowPlan,
     /// Where numbers carry derivatives, the values of implicit steps.
@@ -313,7 +310,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
 /// Copies the data of earlier steps; the copy allocates its own scratch at its first use.
 impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
-        let mut copy = Self { plan: self.plan.alike(), blocks: self.blocks.alike(), ..Self::default() };
+        let mut copy = Self { plan: self.plan.alike(), ..Self::default() };
         copy.clone_from(self);
         copy
     }
@@ -368,7 +365,6 @@ impl<S: Scalar> StepMemory for Memory<S> {
                 self.plan.share(*threads);
                 self.solver.sweeps = None;
             }
-            Request::Restrict(blocks) => self.blocks.restrict(blocks.clone()),
             Request::Derivatives(_) => {}
         }
     }
@@ -409,8 +405,8 @@ impl<S: Scalar> StepMemory for Memory<S> {
             None => Method::Explicit,
             Some(linear) => linear.method(),
         };
-        let (blocks, linear_work) = (self.blocks.count(), self.solver.kept.work);
-        Report { pinned: self.solver.iteration, method: Some(method), blocks, linear_work }
+        let linear_work = self.solver.kept.work;
+        Report { pinned: self.solver.iteration, method: Some(method), linear_work }
     }
 }
 
@@ -423,11 +419,6 @@ impl<S: Scalar> Memory<S> {
             memory.allocate(system, scheme, degrees);
         }
         memory
-    }
-
-    /// Whether nothing was allocated or remembered yet.
-    pub(super) fn is_new(&self) -> bool {
-        self.degrees == 0 && self.known == 0
     }
 
     /// Whether the memory is allocated for a state with this number of degrees of freedom, and thus checked.
@@ -456,7 +447,6 @@ impl<S: Scalar> Memory<S> {
         self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
         self.solver.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
         (self.solver.rounding, self.plan, self.solver.sweeps) = (None, self.plan.alike(), None);
-        self.blocks = self.blocks.alike();
         let unknowns = scheme.unknowns.count(degrees);
         let is_implicit = scheme.unknowns != Unknowns::None;
         let remembered = if scheme.remembers { unknowns } else { 0 };

@@ -295,7 +295,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, 
             Request::Hold => left.is_held = true,
             Request::Pin(iteration) => left.iteration = *iteration,
             Request::Derivatives(count) => left.derivatives = *count,
-            Request::Share(_) | Request::Restrict(_) => {}
+            Request::Share(_) => {}
         }
     }
 
