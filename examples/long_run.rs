@@ -12,7 +12,6 @@ use std::error::Error;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use wzvi::checkpoint::Steps;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::simulate::Simulation;
@@ -50,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Times runs of ten million steps, the best of five each.
 fn cost(folder: &Path) -> Result<(), Box<dyn Error>> {
     const STEPS: u64 = 10_000_000;
-    type Wants = fn(Checkpoint) -> Checkpoint<Steps>;
+    type Wants = fn(Checkpoint) -> Checkpoint;
     let cases: [(&str, u64, Option<Wants>); 7] = [
         ("no checkpoint", 0, None),
         ("at the end only", 0, Some(|to| to.every_steps(u64::MAX))),

@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use wzvi::Error;
 use wzvi::error::{StepError, StepFailure};
-use wzvi::increments::{Divisible, NoNoise};
+use wzvi::increments::{NoNoise, Noise};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::simulate::{Node, Simulation, Unobserved};
+use wzvi::simulate::{Node, Simulation};
 
 use crate::systems::{
     DoubleWell, HenonHeiles, Kepler, Kubo, LennardJones, MixedChain, Oscillator, Pendulum, PolarSpring,
@@ -50,18 +50,17 @@ fn word(error: &Error) -> &'static str {
 }
 
 /// Runs twice: once looking, once against the clock. `measure` gives the error of a node.
-fn row<'a, H, E, N, R>(
+fn row<'a, H, E, N>(
     case: String,
     scheme: &'static str,
     unit: &'static str,
-    run: impl Fn() -> Simulation<'a, H, E, N, Unobserved, R>,
+    run: impl Fn() -> Simulation<'a, H, E, N>,
     measure: impl Fn(&State<H::Vector>) -> f64,
 ) -> Result<Row, Error>
 where
     H: Discretized<E> + 'a,
     E: 'a,
-    N: Divisible<R>,
-    R: 'a,
+    N: Noise,
 {
     let mut worst = 0.0_f64;
     let look = |state: &State<H::Vector>, node: &Node<'_>| {
@@ -79,19 +78,17 @@ where
 }
 
 /// `row` with the drift of the energy relative to `scale`.
-fn energy_row<'a, H, E, R>(
+fn energy_row<'a, H, E>(
     case: String,
     scheme: &'static str,
     system: &'a H,
     start: &State<H::Vector>,
     scale: f64,
-    run: impl Fn() -> Simulation<'a, H, E, NoNoise, Unobserved, R>,
+    run: impl Fn() -> Simulation<'a, H, E, NoNoise>,
 ) -> Result<Row, Error>
 where
     H: Discretized<E> + 'a,
     E: 'a,
-    R: 'a,
-    NoNoise: Divisible<R>,
 {
     let energy = system.energy(start);
     row(

@@ -191,6 +191,7 @@ fn settings_without_meaning_are_refused() {
     );
     are_refused(map(4).record_every(2).indicators(), "has no use for `record_every`");
     are_refused(map(4).keep_paths(1 << 20).indicators(), "has no use for `keep_paths`");
+    are_refused(map(4).retry(Retry::halving(2)).indicators(), "has no use for `retry`");
     are_refused(map(4).deviations([[1.0, 0.0, 0.0, 0.0]]).indicators(), "a map takes 2 deviations");
     are_refused(map(4).deviations([[1.0, 0.0, 0.0, 0.0]; 2]).indicators(), "deviation 1 is a sum");
     are_refused(map(4).start(State::new([0.0; 2], [0.0; 2])).indicators(), "leave one of them out");

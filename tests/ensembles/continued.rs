@@ -10,8 +10,8 @@ use fixtures::folder;
 use fixtures::small::{DoubleWell, KUBO, Kubo};
 use fixtures::stepped::{paths_are_steppers, stepped};
 use wzvi::checkpoint::Checkpoint;
-use wzvi::increments::{Interval, Whole};
-use wzvi::noise::{Divisible, Paths, Truncation};
+use wzvi::increments::Interval;
+use wzvi::noise::{Noise, Paths, Truncation};
 use wzvi::prelude::*;
 use wzvi::system::Gradient;
 
@@ -257,7 +257,7 @@ fn multilevel_runs_have_the_noise_of_their_times() {
 /// What drives a run may be any noise; those that are functions of time need no numbers.
 #[test]
 fn wiener_paths_go_on_as_before() {
-    fn rows_of<N: Divisible<Whole>>(noise: N, from: f64, to: f64) -> Rows {
+    fn rows_of(noise: impl Noise, from: f64, to: f64) -> Rows {
         let start = State::new([0.0], [1.0]).at(from);
         rows(&KUBO.simulate::<Midpoint>(0.25).start(start).noise(noise).until(to).run().unwrap())
     }

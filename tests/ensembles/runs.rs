@@ -248,7 +248,7 @@ fn every_runner_takes_the_same_steps() {
     const STEPS: u64 = 23;
     fn check<N>(noise: impl Fn(u64) -> N)
     where
-        N: wzvi::noise::Divisible + wzvi::noise::Paths + Clone + Send + Sync,
+        N: wzvi::noise::Paths + Clone + Send + Sync,
     {
         let start = || State::new([0.0], [1.0]);
         let nodes = |states: &[State<nalgebra::SVector<f64, 1>>]| -> Nodes {

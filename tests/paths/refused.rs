@@ -19,6 +19,9 @@ struct Still {
     sigma: f64,
 }
 
+#[hamiltonian(drift = |q, p| 0.5 * (p * p + q * q), embedding = Midpoint)]
+struct Oscillator;
+
 const STILL: Still = Still { omega: 1.0, sigma: 0.5 };
 
 fn start() -> State<wzvi::nalgebra::SVector<f64, 1>> {
@@ -139,10 +142,60 @@ fn a_tangent_takes_what_was_said_or_refuses_it() {
         (run().observe("q", |state| state.q[0]), "`observe`"),
         (run().record_at([0.5]), "`record_at`"),
         (run().record_every(5), "no use"),
+        (run().retry(Retry::halving(2)), "`retry`"),
     ] {
         assert!(words(asked.tangent()).contains(what), "{what}");
     }
     assert!(run().quiet().threads(1).unwatched().until(0.95).tangent().is_ok());
+}
+
+/// Steps can be halved where the noise has increments inside of them. Rows of numbers have none, whichever is
+/// set first.
+#[test]
+fn a_noise_of_whole_steps_does_not_drive_their_halves() {
+    fn refused<T>(outcome: Result<T, wzvi::Error>) {
+        match outcome {
+            Err(wzvi::Error::Noise(NoiseError::Setting(words))) => {
+                assert!(words.contains("`retry(...)`") && words.contains("leave `retry` out"), "{words}");
+            }
+            other => panic!("{:?}", other.err()),
+        }
+    }
+    let rows = || Increments::from([0.1, 0.2]);
+    let path = || STILL.simulate::<Midpoint>(0.1).start(start()).steps(2);
+    let paths = || STILL.ensemble::<Midpoint>(0.1).start(start()).steps(2).paths(4);
+    let halving = Retry::halving(2);
+    refused(path().noise(rows()).retry(halving).run());
+    refused(path().retry(halving).noise(rows()).run());
+    refused(path().retry(halving).noise(&mut rows()).run_partial());
+    refused(path().retry(halving).noise(rows()).time_averages().run());
+    refused(paths().noise(rows()).retry(halving).run());
+    refused(paths().retry(halving).noise(rows()).replay(1));
+    assert!(path().retry(Retry::never()).noise(rows()).run().is_ok());
+    assert!(path().retry(halving).noise(&mut Wiener::seed(1)).run().is_ok());
+    // A system without noise asks for none.
+    let free = Oscillator.simulate::<Midpoint>(0.1).start(start()).steps(2);
+    assert!(free.retry(halving).noise(rows()).run().is_ok());
+}
+
+/// A single path counts steps, an ensemble paths. Nothing is written before that is clear.
+#[test]
+fn a_checkpoint_counts_what_its_run_has() {
+    let folder = fixtures::folder!("counts");
+    let file = || Checkpoint::to(folder.join("file"));
+    let path = || STILL.simulate::<Midpoint>(0.1).start(start()).steps(2).noise(Wiener::seed(1));
+    let paths = || STILL.ensemble::<Midpoint>(0.1).start(start()).steps(2).paths(4).seed(1);
+    let levels = || {
+        let run = STILL.multilevel::<Midpoint>(0.1).start(start()).steps(2).seed(1);
+        run.observe("q", |state| state.q[0]).target(0.1)
+    };
+    are_refused(path().checkpoint(file().every_paths(10)).run(), "write `.every_steps(number)`");
+    are_refused(path().checkpoint(file().every_steps(1).every_paths(10)).run(), "`every_paths(10)`");
+    are_refused(path().checkpoint(file().every_paths(10)).time_averages().run(), "`every_paths(10)`");
+    are_refused(paths().checkpoint(file().every_steps(7)).run(), "write `.every_paths(number)`");
+    are_refused(levels().checkpoint(file().every_steps(7)).run(), "`every_steps(7)`");
+    assert!(!folder.join("file").exists());
+    assert!(paths().checkpoint(file().every_paths(10)).run().is_ok());
 }
 
 #[test]

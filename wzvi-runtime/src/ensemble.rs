@@ -59,7 +59,7 @@ pub use starts::{Draw, OneSystem, SystemByPath, Systems};
 
 use crate::algebra::state::State;
 use crate::error::wrong;
-use crate::increments::{Divisible, Halved, Noise, Whole};
+use crate::increments::Noise;
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
 use crate::path::Error;
 use crate::path::choice::{Choice, SOME};
@@ -74,12 +74,12 @@ use crate::statistics::AnyStatistic;
 ///
 /// An ensemble needs a start, an end and a number of paths, and a seed or a noise if the system has noise. A
 /// later call of a method replaces an earlier one, and two methods that set the same (`seed` and `noise`) are
-/// an error. `N` is the type of the noise, `R` says whether steps may be halved, and `P` whether each path
-/// has a system of its own. Settings that contradict each other do not compile.
+/// an error. `N` is the type of the noise, and `P` says whether each path has a
+/// system of its own.
 #[must_use = "nothing happens before `run`"]
-pub struct Ensemble<'a, H: Hamiltonian, E, N = StepNormals, R = Whole, P = OneSystem> {
+pub struct Ensemble<'a, H: Hamiltonian, E, N = StepNormals, P = OneSystem> {
     setup: Setup<'a, H>,
-    types: Types<E, N, R, P>,
+    types: Types<E, N, P>,
 }
 
 /// The settings so far.
@@ -118,8 +118,8 @@ impl<H: Hamiltonian> Default for Many<'_, H> {
     }
 }
 
-/// Scheme, noise, whether steps may be halved, and whether each path has its own system.
-type Types<E, N, R, P> = PhantomData<fn() -> (E, N, R, P)>;
+/// Scheme, noise, and whether each path has its own system.
+type Types<E, N, P> = PhantomData<fn() -> (E, N, P)>;
 
 /// What is computed besides moments.
 #[derive(Default)]
@@ -148,7 +148,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     }
 }
 
-impl<'a, H: Hamiltonian, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
+impl<'a, H: Hamiltonian, E, P> Ensemble<'a, H, E, StepNormals, P> {
     /// Sets whether the increments of a seed are truncated. The default is `k = 4` where
     /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments) holds, and no truncation elsewhere. Other noises have
     /// a truncation of their own, as in `Wiener::seed(7).truncated(4)`.
@@ -165,7 +165,7 @@ impl<'a, H: Hamiltonian, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
     }
 }
 
-impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
+impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     options!(start, end, whole, record, observe, temperatures, section, watch, execution, instructions);
 
     /// Observes a function of the system of each path, too.
@@ -217,7 +217,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     pub fn systems(
         mut self,
         system: impl Fn(&mut Draw) -> H + Send + Sync + 'a,
-    ) -> Ensemble<'a, H, E, N, R, SystemByPath> {
+    ) -> Ensemble<'a, H, E, N, SystemByPath> {
         self.setup.more.systems.set("systems", SOME, ByPath::Drawn(Box::new(system)));
         self.marked()
     }
@@ -227,7 +227,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     pub fn systems_from(
         mut self,
         systems: impl IntoIterator<Item = H>,
-    ) -> Ensemble<'a, H, E, N, R, SystemByPath> {
+    ) -> Ensemble<'a, H, E, N, SystemByPath> {
         self.setup.more.systems.set("systems_from", SOME, ByPath::Listed(systems.into_iter().collect()));
         self.marked()
     }
@@ -243,7 +243,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// Noise belongs to the time at which it acts. An ensemble that continues another, from the states where
     /// that one ended and at their time, goes on with the same seed; one that starts at `t = 0` again needs
     /// another seed, since the same one repeats the noise of each path.
-    pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, R, P> {
+    pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, P> {
         self.setup.more.source.set("seed", seed, Source::new(StepNormals::seed(seed)));
         self.marked()
     }
@@ -257,20 +257,21 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     pub fn noise<M: PathsOfNoise + Clone + Send + Sync + 'a>(
         mut self,
         noise: M,
-    ) -> Ensemble<'a, H, E, M, R, P> {
+    ) -> Ensemble<'a, H, E, M, P> {
         self.setup.more.source.set("noise", SOME, Source::new(noise));
         self.marked()
     }
 
-    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is not to. The noise must have
-    /// increments between the nodes.
+    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is not
+    /// to. The noise must have increments between the nodes
+    /// ([`Noise::is_divisible`](crate::increments::Noise::is_divisible)); the run refuses another one.
     ///
     /// A path ends where the halves of a step do not agree ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), and where
     /// its energy has changed permanently. A single run starts again in shorter steps; a path of an ensemble does not, because its nodes
     /// have been counted.
-    pub fn retry(mut self, retry: Retry) -> Ensemble<'a, H, E, N, Halved, P> {
+    pub fn retry(mut self, retry: Retry) -> Self {
         self.setup.retry = retry;
-        self.marked()
+        self
     }
 
     /// Sets the fraction of paths that may fail, 0.01 by default. If more fail, the run returns a [`LossError`] with the statistics of the
@@ -379,12 +380,12 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     }
 
     /// The same run, of other types.
-    fn marked<M, S, Q>(self) -> Ensemble<'a, H, E, M, S, Q> {
+    fn marked<M, Q>(self) -> Ensemble<'a, H, E, M, Q> {
         Ensemble { setup: self.setup, types: PhantomData }
     }
 }
 
-impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
+impl<H, E, N, P> Ensemble<'_, H, E, N, P>
 where
     H: Discretized<E> + Sync,
     N: Noise,
@@ -398,19 +399,13 @@ where
     /// * [`Error::Step`] if all paths fail: the first failure.
     /// * [`Error::Losses`] if more paths fail than are allowed; fewer failures are in the [`Statistics`].
     /// * [`Error::Checkpoint`] if a checkpoint cannot be written, or the run cannot resume from it.
-    pub fn run(self) -> Result<Statistics, Error>
-    where
-        N: Divisible<R>,
-    {
+    pub fn run(self) -> Result<Statistics, Error> {
         self.run_in::<0>()
     }
 
     /// [`Ensemble::run`] with `WIDTH` paths in lanes; 0 means as many as suit the instructions. The result is the same.
     #[doc(hidden)]
-    pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error>
-    where
-        N: Divisible<R>,
-    {
+    pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error> {
         let execution = std::mem::take(&mut self.setup.execution);
         let (control, keeping) =
             (std::mem::take(&mut self.setup.more.control), std::mem::take(&mut self.setup.keeping));

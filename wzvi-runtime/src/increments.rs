@@ -107,6 +107,16 @@ pub trait Noise {
         ))
     }
 
+    /// Whether [`Noise::increments`] also serves the halves of a step, their halves, and so on: intervals of
+    /// size `h / 2^m` from the start of the run, numbered as steps of that size are. A run with
+    /// [`Retry`](crate::path::retry::Retry) needs that, and refuses other sources before its first step.
+    ///
+    /// The increments of the parts add up to those of the step. (`WongZakai` samples a velocity in each part,
+    /// unless its sampling is exact: these do not.)
+    fn is_divisible(&self) -> bool {
+        false
+    }
+
     /// The largest absolute value that an increment of a step of size `h` can have, after [`Noise::prepare`];
     /// infinite without truncation. Runs refuse implicit steps in which such an increment reaches a pole.
     fn largest_increment(&self, h: f64) -> f64 {
@@ -141,32 +151,6 @@ fn no_shorter_step(interval: &Interval, h: f64, why: &str) -> NoiseError {
     ))
 }
 
-/// The steps of a run are whole: no [`Retry`](crate::path::retry::Retry) was asked for.
-#[derive(Clone, Copy, Debug)]
-pub enum Whole {}
-
-/// The steps of a run may be halved.
-#[derive(Clone, Copy, Debug)]
-pub enum Halved {}
-
-/// A source whose path has increments over any interval. A step that fails can then be subdivided, and its
-/// parts add up to it. (`WongZakai` samples a velocity in each part, unless its sampling is exact: these do
-/// not.) See [`Retry`](crate::path::retry::Retry). Given rows of numbers are not divisible.
-///
-/// Runs take a source `N: Divisible<R>`: every source drives [`Whole`] steps.
-#[diagnostic::on_unimplemented(
-    message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
-    label = "this noise cannot drive steps that are halved",
-    note = "use `Wiener`, `WongZakai` or `StepNormals` (`.seed(number)`), or leave `.retry(...)` out"
-)]
-pub trait Divisible<R = Halved>: Noise {}
-
-impl<N: Noise + ?Sized> Divisible<Whole> for N {}
-impl<N: Divisible + ?Sized> Divisible for &mut N {}
-
-/// A system without noise asks for none.
-impl Divisible for NoNoise {}
-
 impl<N: Noise + ?Sized> Noise for &mut N {
     fn prepare(&mut self, plan: &Plan, h: f64, processes: usize, start: f64) -> Result<(), NoiseError> {
         (**self).prepare(plan, h, processes, start)
@@ -188,6 +172,10 @@ impl<N: Noise + ?Sized> Noise for &mut N {
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
         (**self).increments_within(interval, h, part, dw)
+    }
+
+    fn is_divisible(&self) -> bool {
+        (**self).is_divisible()
     }
 
     fn largest_increment(&self, h: f64) -> f64 {

@@ -30,7 +30,7 @@ mod truncation;
 mod wiener;
 mod wong_zakai;
 
-pub use crate::increments::{Divisible, Increments, Interval, Noise, NoiseError};
+pub use crate::increments::{Increments, Interval, Noise, NoiseError};
 pub use step_normals::StepNormals;
 pub use truncation::{Truncation, clip_bound};
 pub use wiener::Wiener;

@@ -314,6 +314,9 @@ fn the_last_step_is_halved_as_any_other() {
     // A noise that cannot halve its last step says so before the run.
     struct Linear;
     impl Noise for Linear {
+        fn is_divisible(&self) -> bool {
+            true
+        }
         fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
             dw.fill(interval.h);
             Ok(())
@@ -323,7 +326,6 @@ fn the_last_step_is_halved_as_any_other() {
             Ok(())
         }
     }
-    impl wzvi::increments::Divisible for Linear {}
     let run = || Shaken.simulate::<Midpoint>(0.3).start(start()).until(1.0).noise(Linear);
     assert!(run().run().is_ok());
     noise_refuses(run().retry(Retry::halving(3)).run(), "`Noise::increments_within`");

@@ -6,7 +6,6 @@ use wzvi::checkpoint::{Checkpoint, CheckpointError};
 use wzvi::increments::{Identity, Interval, NoiseError};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::retry::Serves;
 use wzvi::simulate::{Simulation, Summation, Unobserved};
 
 use super::systems::{DoublePendulum, Folding, KEPLER, PENDULUM, Wells, bits};
@@ -16,12 +15,12 @@ use fixtures::folder;
 const STEPS: u64 = 12;
 
 /// Stops after every number of steps up to [`STEPS`] and goes on, then in three parts; `run(steps, every)` is the run.
-fn resumes_from_everywhere<'a, H, E, N, R, S, const D: usize>(
+fn resumes_from_everywhere<'a, H, E, N, S, const D: usize>(
     name: &str,
-    run: impl Fn(u64, u64) -> Simulation<'a, H, E, N, Unobserved, R, S>,
+    run: impl Fn(u64, u64) -> Simulation<'a, H, E, N, Unobserved, S>,
 ) where
     H: Discretized<E, Vector = SVector<f64, D>> + 'a,
-    N: Noise + Serves<R>,
+    N: Noise,
     S: Summation<H, E>,
 {
     let folder = folder!(name);

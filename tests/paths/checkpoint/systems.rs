@@ -2,8 +2,7 @@
 
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::retry::Halved;
-use wzvi::simulate::{Simulation, Unobserved};
+use wzvi::simulate::Simulation;
 
 /// Newton's method with a memory of past steps.
 #[hamiltonian(
@@ -78,11 +77,7 @@ impl Pendulum {
 pub(crate) struct Folding;
 
 impl Folding {
-    pub(crate) fn run(
-        &self,
-        steps: u64,
-        every: u64,
-    ) -> Simulation<'_, Self, Midpoint, Wiener, Unobserved, Halved> {
+    pub(crate) fn run(&self, steps: u64, every: u64) -> Simulation<'_, Self, Midpoint, Wiener> {
         let run = self.simulate(2.5).start(State::new([2.2], [0.8])).noise(Wiener::seed(14));
         run.steps(steps).record_every(every).retry(Retry::halving(10))
     }

@@ -12,7 +12,7 @@ use super::{Ensemble, Extras, Many, Setup};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, FileError, wrong};
 use crate::ground::variables::Variables;
-use crate::increments::{Noise, Whole};
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::chaos::{chosen, gali, sali};
 use crate::path::choice::SOME;
@@ -27,7 +27,7 @@ const MEGNO: &str = "megno";
 /// An ensemble together with deviations from its paths: [`Ensemble::deviations`] begins it.
 #[must_use = "nothing happens before `indicators`"]
 pub struct MapDeviations<'a, H: Hamiltonian, E, N> {
-    ensemble: Ensemble<'a, H, E, N, Whole, OneSystem>,
+    ensemble: Ensemble<'a, H, E, N, OneSystem>,
     given: Option<Vec<Vec<f64>>>,
 }
 
@@ -56,7 +56,7 @@ pub struct ChaosMap<V> {
     pub(crate) variables: Variables,
 }
 
-impl<'a, H, E, N> Ensemble<'a, H, E, N, Whole, OneSystem>
+impl<'a, H, E, N> Ensemble<'a, H, E, N, OneSystem>
 where
     H: Discretized<E> + Sync,
     N: Noise,
@@ -133,7 +133,7 @@ where
         }
 
         let system = Linearised { system, start: first.t, h };
-        let mut ensemble = Ensemble::<_, WithDeviations<E>>::new(&system, h).marked::<N, Whole, OneSystem>();
+        let mut ensemble = Ensemble::<_, WithDeviations<E>>::new(&system, h).marked::<N, OneSystem>();
         let Setup { span: own_span, more: own, .. } = &mut ensemble.setup;
         (own_span.end, own_span.is_whole) = (span.end, span.is_whole);
         own.starts.set(
@@ -208,6 +208,7 @@ fn refuse_unused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Result<(), ConfigError
             setup.recorded.every.is_some() || !setup.recorded.times.is_empty(),
         ),
         ("`first_passage`", !more.events.is_empty()),
+        ("`retry`", setup.retry.most() > 0),
         ("`inspect`", more.inspector.is_some()),
         (
             "`quantiles`, `covariances` and histograms",

@@ -54,7 +54,7 @@ pub(super) fn number_of_paths(asked: Option<u64>, listed: [Option<u64>; 2]) -> R
     }
 }
 
-impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
+impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
     /// The run, checked.
     ///
     /// # Errors
@@ -158,7 +158,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let crossings = Crossings::new(start.q.components().len(), more.wanted.most_crossings);
         let crossings = vec![crossings; setup.sections.len()];
         let empty = more.wanted.checked(names, &times, (passages, crossings), has_pairs, paths)?;
-        grid.check_last(&mut *source.path(0), processes, setup.retry)?;
+        grid.check_parts(&mut *source.path(0), processes, setup.retry)?;
         Ok(Job {
             system,
             prepared: crate::path::step::prepared(system, h)?,

@@ -31,12 +31,12 @@ use super::keeping::described;
 use super::starts::Systems;
 use crate::ensemble::schedule::Queue;
 use crate::error::{ConfigError, StoppedError};
-use crate::increments::{Divisible, Noise};
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::scheme::system::Discretized;
 use crate::statistics::Statistics;
 
-impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
+impl<H, E, N, P> Ensemble<'_, H, E, N, P>
 where
     H: Discretized<E> + Sync,
     N: Noise,
@@ -64,10 +64,7 @@ where
     /// # Errors
     /// The errors of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the
     /// processes of all.
-    pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error>
-    where
-        N: Divisible<R>,
-    {
+    pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error> {
         // Messages of this run are no others'.
         let world = world.duplicate();
         let guard = AbortOnPanic(&world);

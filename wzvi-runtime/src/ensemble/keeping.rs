@@ -10,7 +10,7 @@ use crate::ground::numbers::Numbers as _;
 use crate::increments::Identity;
 use crate::path::Error;
 use crate::path::checkpoint::{
-    self, Checkpoint, CheckpointError, Described, Extent, Keeper, Keeping, Kind, Suits,
+    self, Checkpoint, CheckpointError, Described, Extent, Keeper, Keeping, Kind,
 };
 use crate::path::step::Stepper;
 use crate::path::steps::Single;
@@ -24,7 +24,7 @@ const COMPARED_STARTS: u64 = 512;
 /// Recorded nodes that a file lists; of more it has the checksum.
 const MOST_LISTED: usize = 32;
 
-impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
+impl<H: Discretized<E>, E, N, P> Ensemble<'_, H, E, N, P> {
     /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the
     /// run and at its end: see [`crate::path::checkpoint`]. A run that is stopped at any moment and started
     /// again gives the same statistics, bit for bit. Only the number of paths may grow from one run to the
@@ -35,7 +35,7 @@ impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
     ///
     /// Functions cannot be compared: observables and events are told apart by their names and by their values at the start and
     /// at the next three nodes of path 0.
-    pub fn checkpoint<C: Suits<checkpoint::Paths>>(mut self, checkpoint: Checkpoint<C>) -> Self {
+    pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
         self.setup.keeping = Keeping::to(checkpoint);
         self
     }

@@ -38,10 +38,9 @@ use super::{Ensemble, Extras, Many, Setup};
 use crate::algebra::state::State;
 use crate::error::{ConfigError, above_zero, wrong};
 use crate::ground::digits::Brief;
-use crate::increments::Whole;
 use crate::noise::{StepNormals, Truncation};
 use crate::path::Error;
-use crate::path::checkpoint::{self, Checkpoint, Keeping, Suits};
+use crate::path::checkpoint::{Checkpoint, Keeping};
 use crate::path::choice::Choice;
 use crate::path::options::options;
 use crate::path::recording::Request;
@@ -158,7 +157,7 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
 
     /// Resumes from the checkpoint if its file exists and belongs to this run, and writes checkpoints during the run and at its end, as
     /// [`Ensemble::checkpoint`] does. The target, the weak order and the largest numbers of levels and paths are part of what makes two runs the same.
-    pub fn checkpoint<C: Suits<checkpoint::Paths>>(mut self, checkpoint: Checkpoint<C>) -> Self {
+    pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
         self.setup.keeping = Keeping::to(checkpoint);
         self
     }
@@ -196,7 +195,7 @@ where
         span.is_whole = true;
         self.setup.more.paths = Some(paths.unwrap_or(MOST_PATHS));
         let keeping = std::mem::take(&mut self.setup.keeping);
-        let job = Ensemble::<H, E, StepNormals, Whole, Paired> { setup: self.setup, types: PhantomData }
+        let job = Ensemble::<H, E, StepNormals, Paired> { setup: self.setup, types: PhantomData }
             .job(&stop)?;
         check_end(end, &job)?;
         let [most_paths, most_constant] = [MOST_PATHS, MOST_CONSTANT].map(|most| paths.unwrap_or(most));

@@ -4,7 +4,7 @@ use super::Ensemble;
 use super::group::Group;
 use super::starts::Systems;
 use crate::error::wrong;
-use crate::increments::{Divisible, Noise};
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::between::{Between, Part};
 use crate::path::simulate::Partial;
@@ -13,7 +13,7 @@ use crate::path::trajectory::Recorder;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
 
-impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
+impl<H, E, N, P> Ensemble<'_, H, E, N, P>
 where
     H: Discretized<E> + Sync,
     N: Noise,
@@ -34,10 +34,7 @@ where
     /// # Errors
     /// The errors of [`Ensemble::run`] that show before the first step, and [`ConfigError::Setting`](crate::error::ConfigError::Setting) for a path that
     /// the ensemble does not have.
-    pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error>
-    where
-        N: Divisible<R>,
-    {
+    pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error> {
         let recorded = self.setup.recorded.clone();
         let job = self.job(&|| false)?;
         if path >= job.paths {

@@ -28,7 +28,7 @@
 use super::random::{self, pair};
 use super::truncation::{Truncation, truncation_setters};
 use super::wiener::check_step;
-use super::{Divisible, Interval, Noise, NoiseError, Paths};
+use super::{Interval, Noise, NoiseError, Paths};
 use crate::increments::Identity;
 use crate::scheme::plan::Plan;
 
@@ -408,6 +408,10 @@ impl Noise for StepNormals {
         self.acting().bound(h, h.abs().sqrt())
     }
 
+    fn is_divisible(&self) -> bool {
+        true
+    }
+
     fn skip_paths(&mut self, paths: u64) -> bool {
         self.set_path(self.path.wrapping_add(paths));
         true
@@ -420,9 +424,6 @@ impl Noise for StepNormals {
         Some(identity.with("truncation", self.acting()))
     }
 }
-
-/// The halves of a step add up to the step.
-impl Divisible for StepNormals {}
 
 impl Paths for StepNormals {
     fn set_path(&mut self, path: u64) {

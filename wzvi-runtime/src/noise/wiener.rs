@@ -8,7 +8,7 @@ use super::cursor::Cursor;
 use super::grid::{self, FARTHEST, GridTime};
 use super::stream::Source;
 use super::truncation::truncation_setters;
-use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
+use super::{Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
 use crate::scheme::plan::Plan;
 
@@ -286,6 +286,10 @@ impl Noise for Wiener {
         self.acting().bound(h, h.abs().sqrt())
     }
 
+    fn is_divisible(&self) -> bool {
+        true
+    }
+
     fn skip_paths(&mut self, paths: u64) -> bool {
         self.set_path(self.path.wrapping_add(paths));
         true
@@ -296,9 +300,6 @@ impl Noise for Wiener {
         Some(identity.with("unit", self.unit).with("truncation", self.acting()))
     }
 }
-
-/// Increments add up.
-impl Divisible for Wiener {}
 
 impl Paths for Wiener {
     fn set_path(&mut self, path: u64) {

@@ -16,7 +16,7 @@
 use super::grid::GridTime;
 use super::truncation::truncation_setters;
 use super::wiener::{NOWHERE, Wiener, check_step, times_within};
-use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
+use super::{Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
 use crate::scheme::plan::Plan;
 
@@ -280,6 +280,11 @@ impl Noise for WongZakai {
         self.early.acting().bound(h.abs(), self.deviation(h.abs()))
     }
 
+    /// Exact increments add up; sampled velocities are those of each part.
+    fn is_divisible(&self) -> bool {
+        true
+    }
+
     fn skip_paths(&mut self, paths: u64) -> bool {
         self.early.skip_paths(paths) && self.late.skip_paths(paths)
     }
@@ -289,9 +294,6 @@ impl Noise for WongZakai {
         Some(identity.with("eps", self.eps).with("sampling", self.sampling))
     }
 }
-
-/// Exact increments add up; sampled velocities are those of each part.
-impl Divisible for WongZakai {}
 
 impl Paths for WongZakai {
     fn set_path(&mut self, path: u64) {

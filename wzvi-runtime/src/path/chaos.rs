@@ -25,7 +25,7 @@ mod spectrum;
 mod start;
 
 use crate::error::{ConfigError, wrong};
-use crate::increments::{Noise, Whole};
+use crate::increments::Noise;
 use crate::path::simulate::{Simulation, Summation, Unobserved, UsualSums};
 use crate::scheme::system::{Discretized, Hamiltonian};
 
@@ -40,12 +40,12 @@ const COPIES: u32 = 8;
 #[derive(Clone, Debug)]
 #[must_use = "nothing happens before `lyapunov` or `indicators`"]
 pub struct Deviations<'a, H: Hamiltonian, E, N, S = UsualSums> {
-    run: Simulation<'a, H, E, N, Unobserved, Whole, S>,
+    run: Simulation<'a, H, E, N, Unobserved, S>,
     given: Option<Vec<Vec<f64>>>,
     copies: u32,
 }
 
-impl<'a, H, E, N, S> Simulation<'a, H, E, N, Unobserved, Whole, S>
+impl<'a, H, E, N, S> Simulation<'a, H, E, N, Unobserved, S>
 where
     H: Discretized<E>,
     N: Noise,

@@ -82,7 +82,6 @@ mod identity;
 mod keeper;
 mod run;
 
-use std::marker::PhantomData;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -94,40 +93,17 @@ pub(crate) use format::Kind;
 pub(crate) use keeper::Keeper;
 pub(crate) use keeper::{Described, Extent};
 
-/// The file of a checkpoint, and how often it is written: after some time, or after a number of what the run counts, `C`. A [`Simulation`]
-/// counts [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) or [`Multilevel`](crate::ensemble::Multilevel) run counts [`Paths`]; all accept a checkpoint without a number.
+/// The file of a checkpoint, and how often it is written: after some time, or after a number of what the run
+/// counts. A [`Simulation`] counts steps, an [`Ensemble`](crate::ensemble::Ensemble) or
+/// [`Multilevel`](crate::ensemble::Multilevel) run counts paths.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[must_use = "give it to the `checkpoint` of a `Simulation` or an `Ensemble`"]
-pub struct Checkpoint<C = Anything> {
+pub struct Checkpoint {
     path: PathBuf,
-    /// Steps or paths.
-    count: Option<u64>,
+    steps: Option<u64>,
+    paths: Option<u64>,
     interval: Option<Duration>,
-    counts: PhantomData<C>,
 }
-
-/// A checkpoint without a number of steps or paths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Anything {}
-
-/// A checkpoint counts the steps of a single path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Steps {}
-
-/// A checkpoint counts the paths of an ensemble.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Paths {}
-
-/// A checkpoint for runs that count `C`, or anything.
-#[diagnostic::on_unimplemented(
-    message = "this checkpoint counts what this run does not have",
-    note = "a single path counts steps (`.every_steps(number)`), an ensemble paths (`.every_paths(number)`); both take `.every(interval)`"
-)]
-pub trait Suits<C> {}
-
-impl<C> Suits<C> for Anything {}
-impl Suits<Steps> for Steps {}
-impl Suits<Paths> for Paths {}
 
 /// The default interval.
 const MINUTE: Duration = Duration::from_secs(60);
@@ -135,50 +111,52 @@ const MINUTE: Duration = Duration::from_secs(60);
 impl Checkpoint {
     /// A checkpoint in this file, written once a minute by default.
     pub fn to(path: impl Into<PathBuf>) -> Self {
-        Self { path: path.into(), count: None, interval: None, counts: PhantomData }
+        Self { path: path.into(), steps: None, paths: None, interval: None }
     }
 
-    /// Saves at each node whose number is a multiple of `steps`, at least 1. For a [`Simulation`].
-    pub fn every_steps(self, steps: u64) -> Checkpoint<Steps> {
-        self.counting(steps)
+    /// Saves at each node whose number is a multiple of `steps`, at least 1. For a [`Simulation`]; an ensemble
+    /// refuses it.
+    pub fn every_steps(self, steps: u64) -> Self {
+        Self { steps: Some(steps), ..self }
     }
 
-    /// Saves after every `paths` further paths, at least 1, in whole chunks of paths. For an ensemble.
-    pub fn every_paths(self, paths: u64) -> Checkpoint<Paths> {
-        self.counting(paths)
-    }
-
-    /// The time between two of them, if that matters.
-    fn interval(&self) -> Option<Duration> {
-        if self.count.is_none() { Some(self.interval.unwrap_or(MINUTE)) } else { self.interval }
-    }
-
-    fn check(&self) -> Result<(), ConfigError> {
-        wrong(match (self.count, self.interval) {
-            (Some(0), _) => "a checkpoint every 0 steps or paths; give at least 1",
-            (_, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
-            _ => return Ok(()),
-        })
-    }
-}
-
-impl<C> Checkpoint<C> {
-    fn counting<D>(self, count: u64) -> Checkpoint<D> {
-        let Self { path, interval, .. } = self;
-        Checkpoint { path, count: Some(count), interval, counts: PhantomData }
+    /// Saves after every `paths` further paths, at least 1, in whole chunks of paths. For an ensemble; a single
+    /// path refuses it.
+    pub fn every_paths(self, paths: u64) -> Self {
+        Self { paths: Some(paths), ..self }
     }
 
     /// When this time, more than zero, has passed since the last checkpoint. Together with
     /// [`Checkpoint::every_steps`] or [`Checkpoint::every_paths`], whichever comes first.
-    pub fn every(mut self, interval: Duration) -> Self {
-        self.interval = Some(interval);
-        self
+    pub fn every(self, interval: Duration) -> Self {
+        Self { interval: Some(interval), ..self }
     }
 
-    /// The same, for a run that it suits.
-    fn settled(self) -> Checkpoint {
-        let Self { path, count, interval, .. } = self;
-        Checkpoint { path, count, interval, counts: PhantomData }
+    /// How many steps or paths are between two checkpoints of such a run, and how much time, as far as each
+    /// matters.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] for a number of what the run does not count, and for nothing between two
+    /// checkpoints.
+    fn strides(&self, kind: Kind) -> Result<(Option<u64>, Option<Duration>), ConfigError> {
+        let (count, other) = match kind {
+            Kind::Path => (self.steps, self.paths),
+            Kind::Ensemble | Kind::Multilevel => (self.paths, self.steps),
+        };
+        match (count, other, self.interval) {
+            (_, Some(number), _) if kind == Kind::Path => wrong(format!(
+                "`every_paths({number})` in the checkpoint of a single path, which counts steps: \
+                 write `.every_steps(number)`, or `.every(interval)`"
+            )),
+            (_, Some(number), _) => wrong(format!(
+                "`every_steps({number})` in the checkpoint of an ensemble, which counts paths: \
+                 write `.every_paths(number)`, or `.every(interval)`"
+            )),
+            (Some(0), ..) => wrong("a checkpoint every 0 steps or paths; give at least 1"),
+            (.., Some(Duration::ZERO)) => wrong("a checkpoint after no time at all; give more than zero"),
+            (None, _, interval) => Ok((None, Some(interval.unwrap_or(MINUTE)))),
+            (count, _, interval) => Ok((count, interval)),
+        }
     }
 }
 
@@ -187,8 +165,8 @@ impl<C> Checkpoint<C> {
 pub(crate) struct Keeping(Option<Checkpoint>);
 
 impl Keeping {
-    pub(crate) fn to<C>(checkpoint: Checkpoint<C>) -> Self {
-        Self(Some(checkpoint.settled()))
+    pub(crate) fn to(checkpoint: Checkpoint) -> Self {
+        Self(Some(checkpoint))
     }
 
     pub(crate) fn is_set(&self) -> bool {
@@ -199,10 +177,10 @@ impl Keeping {
 pub(crate) use identity::checksum;
 pub(crate) use identity::sections;
 
-impl<H: Discretized<E>, E, N, O, R, S> Simulation<'_, H, E, N, O, R, S> {
+impl<H: Discretized<E>, E, N, O, S> Simulation<'_, H, E, N, O, S> {
     /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end:
     /// see [`crate::path::checkpoint`].
-    pub fn checkpoint<C: Suits<Steps>>(self, checkpoint: Checkpoint<C>) -> Self {
+    pub fn checkpoint(self, checkpoint: Checkpoint) -> Self {
         self.keeping(Keeping::to(checkpoint))
     }
 }

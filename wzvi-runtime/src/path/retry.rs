@@ -17,7 +17,6 @@ use crate::algebra::carry::Carry;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepError, StepFailure, wrong};
-pub use crate::increments::{Divisible as Serves, Halved, Whole};
 use crate::increments::{Interval, Noise, NoiseError};
 use crate::path::Error;
 use crate::path::span::Grid;

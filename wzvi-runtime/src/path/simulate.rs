@@ -18,7 +18,7 @@ use crate::algebra::state::State;
 use crate::error::{ConfigError, wrong};
 use crate::ground::handle::Handle;
 use crate::ground::numbers::Tape;
-use crate::increments::{Divisible, Halved, NoNoise, Noise, Whole};
+use crate::increments::{NoNoise, Noise};
 use crate::path::Error;
 use crate::path::checkpoint::Keeping;
 use crate::path::options::{Setup, options};
@@ -106,15 +106,15 @@ pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
 /// earlier one, and two methods that set the same (`until` and `steps`) are an error.
 #[derive(Clone, Debug)]
 #[must_use = "nothing happens before `run`"]
-pub struct Simulation<'a, H: Hamiltonian, E, N = NoNoise, O = Unobserved, R = Whole, S = UsualSums> {
+pub struct Simulation<'a, H: Hamiltonian, E, N = NoNoise, O = Unobserved, S = UsualSums> {
     setup: Setup<'a, H>,
     noise: Option<N>,
     observer: O,
-    types: Types<E, R, S>,
+    types: Types<E, S>,
 }
 
-/// The scheme, whether steps may be halved, and how increments are added.
-type Types<E, R, S> = PhantomData<fn() -> (E, R, S)>;
+/// The scheme, and how increments are added.
+type Types<E, S> = PhantomData<fn() -> (E, S)>;
 
 /// How a run adds the increments of its state: [`UsualSums`], or [`PlainSums`].
 pub trait Summation<H: Discretized<E>, E> {
@@ -146,7 +146,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
     }
 }
 
-impl<'a, H: Hamiltonian, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
+impl<'a, H: Hamiltonian, E, N, O, S> Simulation<'a, H, E, N, O, S> {
     options!(start, end, whole, record, observe, temperatures, section, watch, progress);
 
     /// Observes a function of the system, too.
@@ -168,22 +168,23 @@ impl<'a, H: Hamiltonian, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
     /// Noise belongs to the time at which it acts. A run that continues another,
     /// `.start(run.last().clone())`, goes on with the same seed; one that starts at `t = 0` again needs
     /// another seed, since the same one repeats the noise.
-    pub fn noise<M: Noise>(self, noise: M) -> Simulation<'a, H, E, M, O, R, S> {
+    pub fn noise<M: Noise>(self, noise: M) -> Simulation<'a, H, E, M, O, S> {
         Simulation { setup: self.setup, noise: Some(noise), observer: self.observer, types: PhantomData }
     }
 
     /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is not to.
     ///
-    /// The noise must know its path between the nodes ([`Divisible`]), as all but `Increments` do. A run that
-    /// restarts with shorter steps shows its observer all nodes again, from step 0. A run with checkpoints does not restart.
-    pub fn retry(mut self, retry: Retry) -> Simulation<'a, H, E, N, O, Halved, S> {
+    /// The noise must know its path between the nodes ([`Noise::is_divisible`]), as all but `Increments` do; the
+    /// run refuses another one. A run that restarts with shorter steps shows its observer all nodes again, from
+    /// step 0. A run with checkpoints does not restart.
+    pub fn retry(mut self, retry: Retry) -> Self {
         self.setup.retry = retry;
-        Simulation { setup: self.setup, noise: self.noise, observer: self.observer, types: PhantomData }
+        self
     }
 
     /// Adds increments to the state with plain sums, as [`Stepper::plain`](crate::path::step::Stepper::plain) does: the path then has the
     /// bits of one of an ensemble with the same increments. Derivatives of its end are those of plain sums in any case.
-    pub fn plain_sums(self) -> Simulation<'a, H, E, N, O, R, PlainSums> {
+    pub fn plain_sums(self) -> Simulation<'a, H, E, N, O, PlainSums> {
         let Self { setup, noise, observer, .. } = self;
         Simulation { setup, noise, observer, types: PhantomData }
     }
@@ -205,14 +206,14 @@ impl<'a, H: Hamiltonian, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
     /// Calls `observer(state, node)` at each recorded node as the run reaches it, start and end included. With `record_every(0)` or
     /// [`Simulation::record_at`] alone it is called at each node. Use it to see increments and iterations, or to act during the run. States
     /// recorded between nodes are not shown.
-    pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F, R, S>
+    pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F, S>
     where
         F: FnMut(&State<H::Vector>, &Node<'_>),
     {
         self.observed_by(observer)
     }
 
-    pub(crate) fn observed_by<Q>(self, observer: Q) -> Simulation<'a, H, E, N, Q, R, S> {
+    pub(crate) fn observed_by<Q>(self, observer: Q) -> Simulation<'a, H, E, N, Q, S> {
         Simulation { setup: self.setup, noise: self.noise, observer, types: PhantomData }
     }
 
@@ -252,7 +253,7 @@ impl<'a, H: Hamiltonian, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
     }
 }
 
-impl<H, E, N, O, R, S> Simulation<'_, H, E, N, O, R, S>
+impl<H, E, N, O, S> Simulation<'_, H, E, N, O, S>
 where
     H: Discretized<E>,
     N: Noise,
@@ -264,10 +265,7 @@ where
     /// # Errors
     /// [`Error::Config`] if a setting is missing or invalid, [`Error::Noise`] if the source has no increments, [`Error::Step`] if a step
     /// fails. [`Simulation::run_partial`] keeps what was computed before.
-    pub fn run(self) -> Result<Trajectory<H::Vector, E>, Error>
-    where
-        N: Divisible<R>,
-    {
+    pub fn run(self) -> Result<Trajectory<H::Vector, E>, Error> {
         match self.run_partial()? {
             (trajectory, None) => Ok(trajectory),
             (_, Some(error)) => Err(error),
@@ -280,10 +278,7 @@ where
     /// # Errors
     /// [`Error::Config`], [`Error::Noise`] or [`Error::Checkpoint`] if the run could not start, so that there is no
     /// trajectory.
-    pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error>
-    where
-        N: Divisible<R>,
-    {
+    pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error> {
         self.run_until(None).map(|(path, _)| path)
     }
 }

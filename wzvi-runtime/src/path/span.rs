@@ -71,6 +71,10 @@ pub(crate) enum Place {
 
 const NOISE: &str = "increments for the noises of the system: add `.noise(...)` with a seeded source or \
                      `Increments::from(...)`";
+/// Why a noise does not drive a run that may halve its steps.
+const WHOLE_STEPS: &str = "`retry(...)` halves steps, and this noise has no increments inside of a step: take \
+                           `Wiener`, `WongZakai` or `StepNormals` (`.seed(number)`), implement `Noise::is_divisible` for a \
+                           noise of your own that has them, or leave `retry` out";
 
 impl Grid {
     /// Steps of size `h` without more.
@@ -115,18 +119,25 @@ impl Grid {
         }
         let mut noise = noise.ok_or(ConfigError::Missing(NOISE))?;
         noise.prepare(plan, self.h, processes, self.start)?;
-        self.check_last(&mut noise, processes, retry)?;
+        self.check_parts(&mut noise, processes, retry)?;
         Ok(Some(noise))
     }
 
-    /// Whether a noise has increments for a last step that is shorter, and for its halves: what has none says so before the run.
-    pub(crate) fn check_last(
+    /// Whether a noise has increments for the halves of steps, if these may be halved, and for a last step that is
+    /// shorter. One that has none says so before the run.
+    pub(crate) fn check_parts(
         &self,
         noise: &mut (impl Noise + ?Sized),
         processes: usize,
         retry: Retry,
     ) -> Result<(), NoiseError> {
-        let Some(shorter) = self.shorter.filter(|_| processes > 0) else { return Ok(()) };
+        if processes == 0 {
+            return Ok(());
+        }
+        if retry.most() > 0 && !noise.is_divisible() {
+            return Err(NoiseError::Setting(WHOLE_STEPS.into()));
+        }
+        let Some(shorter) = self.shorter else { return Ok(()) };
         let (last, mut dw) = (Interval { step: self.whole(), ..self.first() }, vec![0.0; processes]);
         noise.increments_of_part(&last, shorter, &mut dw)?;
         if retry.most() > 0 {

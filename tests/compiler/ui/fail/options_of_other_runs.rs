@@ -1,4 +1,4 @@
-//! Options that make no sense together are not offered, or do not run.
+//! Options that make no sense together are not offered.
 
 use wzvi::prelude::*;
 
@@ -13,20 +13,12 @@ struct Kubo {
 
 fn main() {
     let kubo = Kubo { s: 1.0 };
-    let path = || kubo.simulate::<Midpoint>(0.1).start(State::new([0.0], [1.0])).steps(2);
     let paths = || kubo.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).steps(2).paths(4);
     let levels = || kubo.multilevel::<Midpoint>(0.1).start(State::new([0.0], [1.0])).steps(2).seed(1);
 
-    // Rows of numbers have nothing between the nodes.
-    let _ = path().noise(Increments::from([0.1, 0.2])).retry(Retry::halving(2)).run();
-    let _ = path().retry(Retry::halving(2)).noise(Increments::from([0.1, 0.2])).run();
-    let _ = paths().noise(Increments::from([0.1, 0.2])).retry(Retry::halving(2)).run();
     // Antithetic and truncated normals are those of a seed; another noise says it itself.
     let _ = paths().noise(Wiener::seed(1)).antithetic();
     let _ = paths().noise(Wiener::seed(1)).truncation(wzvi::noise::Truncation::Off);
-    // A single path counts steps, an ensemble paths.
-    let _ = path().checkpoint(Checkpoint::to("file").every_paths(10));
-    let _ = paths().checkpoint(Checkpoint::to("file").every_steps(10));
     // One observable, and nothing but its mean.
     let _ = levels().target(1e-2).run();
     let _ = levels().observe("q", |state| state.q[0]).observe("p", |state| state.p[0]);

@@ -5,7 +5,7 @@ use super::{Deviations, chosen};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::state::Vector;
 use crate::error::wrong;
-use crate::increments::{Noise, Whole};
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::simulate::{BESIDE, Simulation, Summation, Unobserved};
 use crate::path::steps::Step;
@@ -132,7 +132,7 @@ pub(crate) fn gali(units: &[Vec<f64>]) -> Vec<f64> {
     volumes.skip(1).collect()
 }
 
-impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, Whole, S>
+impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, S>
 where
     H: Discretized<E>,
     N: Noise,

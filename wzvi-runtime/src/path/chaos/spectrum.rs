@@ -19,7 +19,7 @@ use crate::algebra::carry::Carry;
 use crate::algebra::state::{State, Vector};
 use crate::error::wrong;
 use crate::ground::digits::estimate;
-use crate::increments::{Noise, Whole};
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::series::BatchMeans;
 use crate::path::simulate::{Bare, Simulation, Summation, Unobserved};
@@ -104,7 +104,7 @@ impl std::fmt::Display for Spectrum {
     }
 }
 
-impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, Whole, S>
+impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, S>
 where
     H: Discretized<E>,
     N: Noise,

@@ -151,9 +151,9 @@ impl Keeping {
         pass: &mut dyn FnMut(&mut Tape),
     ) -> Result<Keeper, Error> {
         let Self(Some(checkpoint)) = self else { return Ok(Keeper::default()) };
-        checkpoint.check()?;
-        let every = checkpoint.count.map(|count| count.div_ceil(extent.unit));
-        let due = |first| Due::new(every, checkpoint.interval(), first, extent.end());
+        let (count, interval) = checkpoint.strides(extent.kind)?;
+        let every = count.map(|count| count.div_ceil(extent.unit));
+        let due = |first| Due::new(every, interval, first, extent.end());
         let path = file::Target::of(&checkpoint.path, "write").map_err(CheckpointError::from)?.into_path();
         let mut kept = Kept { extent, path, line: None, described, saved: 0, due: due(0), unsaved: None };
         match kept.read()? {

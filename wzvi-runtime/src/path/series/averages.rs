@@ -7,15 +7,15 @@ use super::tally::{Averaged, Tally, Targets};
 use crate::algebra::state::State;
 use crate::error::{FileError, UnknownName};
 use crate::ground::digits::estimate;
-use crate::increments::Divisible;
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::simulate::{Observer, Simulation, Summation, UsualSums};
 use crate::scheme::system::{Discretized, Exchange, disequilibrium};
 
 /// Averages along one path: [`Simulation::time_averages`] begins it, [`TimeAveraging::run`] runs it.
 #[must_use = "nothing happens before `run`"]
-pub struct TimeAveraging<'a, H: Discretized<E>, E, N, O, R, S = UsualSums> {
-    simulation: Simulation<'a, H, E, N, O, R, S>,
+pub struct TimeAveraging<'a, H: Discretized<E>, E, N, O, S = UsualSums> {
+    simulation: Simulation<'a, H, E, N, O, S>,
     discarded: f64,
     targets: Targets,
     stop: Option<Box<dyn Fn() -> bool + 'a>>,
@@ -114,7 +114,7 @@ impl<V> fmt::Display for TimeAverages<V> {
     }
 }
 
-impl<'a, H: Discretized<E>, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
+impl<'a, H: Discretized<E>, E, N, O, S> Simulation<'a, H, E, N, O, S> {
     /// Averages of the observables along the path, which is not kept: over all nodes, or every `record_every`-th.
     ///
     /// ```ignore
@@ -125,22 +125,22 @@ impl<'a, H: Discretized<E>, E, N, O, R, S> Simulation<'a, H, E, N, O, R, S> {
     /// ```
     ///
     /// With `checkpoint` a stopped run resumes from its file; its targets may differ.
-    pub fn time_averages(self) -> TimeAveraging<'a, H, E, N, O, R, S> {
+    pub fn time_averages(self) -> TimeAveraging<'a, H, E, N, O, S> {
         TimeAveraging { simulation: self, discarded: 0.0, targets: Vec::new(), stop: None }
     }
 }
 
-impl<H: Discretized<E>, E, N, O, R, S> fmt::Debug for TimeAveraging<'_, H, E, N, O, R, S> {
+impl<H: Discretized<E>, E, N, O, S> fmt::Debug for TimeAveraging<'_, H, E, N, O, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut all = f.debug_struct("TimeAveraging");
         all.field("discarded", &self.discarded).field("targets", &self.targets).finish_non_exhaustive()
     }
 }
 
-impl<'a, H, E, N, O, R, S> TimeAveraging<'a, H, E, N, O, R, S>
+impl<'a, H, E, N, O, S> TimeAveraging<'a, H, E, N, O, S>
 where
     H: Discretized<E>,
-    N: Divisible<R>,
+    N: Noise,
     O: Observer<H::Vector>,
     S: Summation<H, E>,
 {

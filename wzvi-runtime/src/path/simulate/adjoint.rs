@@ -15,7 +15,7 @@ use crate::algebra::scalar::Dual;
 use crate::algebra::state::{State, Vector};
 use crate::error::{DerivativeError, StepError, StepFailure, wrong};
 use crate::ground::names::short_name;
-use crate::increments::{Noise, Whole};
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::steps::Step;
 use crate::scheme::elements::{COUNTER_TERM, Stage};
@@ -38,7 +38,7 @@ struct Taken<V> {
     h: f64,
 }
 
-impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, Whole, S>
+impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, S>
 where
     H: Discretized<E>,
     N: Noise,

@@ -6,7 +6,7 @@ use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::error::{StoppedError, wrong};
 use crate::ground::progress::StepsShown;
-use crate::increments::{Noise, Whole};
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::options::{Execution, Setup};
 use crate::path::retry::{Retry, Subdivision};
@@ -30,7 +30,7 @@ pub(crate) struct Bare<'a, H: Discretized<E>, E, N, C> {
     done: u64,
 }
 
-impl<'a, H, E, N, S> Simulation<'a, H, E, N, Unobserved, Whole, S>
+impl<'a, H, E, N, S> Simulation<'a, H, E, N, Unobserved, S>
 where
     H: Discretized<E>,
     N: Noise,
@@ -63,6 +63,7 @@ where
             ("`observe`", !observables.is_empty()),
             ("`section`", !sections.is_empty()),
             ("`record_every` and `record_at`", is_recorded),
+            ("`retry`", retry.most() > 0),
             ("a checkpoint", keeping.is_set()),
             ("`handle`", !may_stop && execution.handle.is_some()),
             ("`stop_when`", !may_stop && execution.stop.is_some()),

@@ -7,7 +7,7 @@ use crate::algebra::state::{State, Vector};
 use crate::algebra::sum::Sums;
 use crate::error::{StoppedError, wrong};
 use crate::ground::progress::StepsShown;
-use crate::increments::{Divisible, Interval, Noise};
+use crate::increments::{Interval, Noise};
 use crate::path::Error;
 use crate::path::between::{Between, Part};
 use crate::path::checkpoint::Keeper;
@@ -21,7 +21,7 @@ use crate::scheme::dense::DenseOutput;
 use crate::scheme::poles;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
-impl<H, E, N, O, R, S> Simulation<'_, H, E, N, O, R, S>
+impl<H, E, N, O, S> Simulation<'_, H, E, N, O, S>
 where
     H: Discretized<E>,
     N: Noise,
@@ -32,10 +32,7 @@ where
     pub(crate) fn run_until(
         self,
         stop: Option<&dyn Fn() -> bool>,
-    ) -> Result<(Partial<H::Vector, E>, O), Error>
-    where
-        N: Divisible<R>,
-    {
+    ) -> Result<(Partial<H::Vector, E>, O), Error> {
         let Self { setup, noise, observer, .. } = self;
         let Setup { system, h, sections, retry, keeping, .. } = setup;
         let Execution { threads, is_quiet, handle, stop: asked, .. } = setup.execution;

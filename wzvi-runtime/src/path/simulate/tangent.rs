@@ -15,7 +15,7 @@ use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::error::{ConfigError, DerivativeError, StepError, StepFailure, wrong};
-use crate::increments::{Noise, Whole};
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::retry::Subdivision;
 use crate::path::steps::Step;
@@ -70,7 +70,7 @@ pub struct Tangent<V> {
     pub by_step_size: Option<DVector<f64>>,
 }
 
-impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, Whole, S>
+impl<H, E, N, S> Simulation<'_, H, E, N, Unobserved, S>
 where
     H: Discretized<E>,
     N: Noise,
