@@ -183,9 +183,10 @@
 pub use wzvi_macros::hamiltonian;
 pub use wzvi_macros::hamiltonian_fn;
 pub use wzvi_runtime::algebra::{lanes, memory, scalar, state};
+pub use wzvi_runtime::calculus;
 #[cfg(feature = "ensemble")]
 pub use wzvi_runtime::ensemble;
-pub use wzvi_runtime::ground::{calculus, handle, numbers, variables};
+pub use wzvi_runtime::ground::{handle, numbers, variables};
 /// The crate that [`Ensemble::run_on`](ensemble::Ensemble::run_on) takes its communicators from.
 #[cfg(feature = "mpi")]
 pub use wzvi_runtime::mpi;
@@ -207,7 +208,7 @@ pub use wzvi_runtime::{increments, integrate};
 /// Errors. Each says where, why and what to do; none leaves a state changed.
 pub mod error {
     pub use wzvi_runtime::error::*;
-    pub use wzvi_runtime::path::Error;
+    pub use wzvi_runtime::path::error::*;
 }
 
 #[cfg(not(feature = "report"))]

@@ -198,6 +198,46 @@ fn a_checkpoint_counts_what_its_run_has() {
     assert!(paths().checkpoint(file().every_paths(10)).run().is_ok());
 }
 
+/// All errors are in one module, wherever in the run time they are raised.
+#[test]
+fn errors_have_one_public_place() {
+    use std::any::type_name;
+    use wzvi::error as all;
+    let names = [
+        type_name::<all::Error>(),
+        type_name::<all::CheckpointError>(),
+        type_name::<all::Damage>(),
+        type_name::<all::Difference>(),
+        type_name::<all::DomainError>(),
+        type_name::<all::FileError>(),
+        type_name::<all::LevelError>(),
+        type_name::<all::LevelFailure>(),
+        type_name::<all::PathError>(),
+        type_name::<all::PlotError>(),
+        type_name::<all::ReportError>(),
+        type_name::<all::SeriesError>(),
+        type_name::<all::StatisticsError>(),
+        type_name::<all::StoppedError>(),
+    ];
+    let elsewhere = [
+        type_name::<wzvi::Error>(),
+        type_name::<wzvi::checkpoint::CheckpointError>(),
+        type_name::<wzvi::checkpoint::Damage>(),
+        type_name::<wzvi::checkpoint::Difference>(),
+        type_name::<wzvi::calculus::DomainError>(),
+        type_name::<wzvi::ensemble::FileError>(),
+        type_name::<wzvi::ensemble::LevelError>(),
+        type_name::<wzvi::ensemble::LevelFailure>(),
+        type_name::<wzvi::trajectory::PathError>(),
+        type_name::<wzvi::plot::PlotError>(),
+        type_name::<wzvi::report::ReportError>(),
+        type_name::<wzvi::series::SeriesError>(),
+        type_name::<wzvi::ensemble::StatisticsError>(),
+        type_name::<all::StoppedError>(),
+    ];
+    assert_eq!(names, elsewhere);
+}
+
 #[test]
 fn states_and_tables_for_people() {
     let state = State::<wzvi::nalgebra::SVector<f64, 2>>::new([1.0, 2.0], [3.0, -4.5e300]);

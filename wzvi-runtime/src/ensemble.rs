@@ -41,7 +41,8 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 pub use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-pub use crate::error::{FileError, StatisticsError};
+pub use crate::saving::FileError;
+pub use crate::statistics::StatisticsError;
 pub use crate::statistics::{
     Crossings, Histogram, LossError, Passage, Passages, PathCrossing, PathFailure, Paths, Quantiles, Seen,
     Statistic, Statistics, StatisticsNode, Tables, TargetStatus,
@@ -254,10 +255,7 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     ///
     /// [`StepNormals`] are drawn in lanes. Any other noise gives the increments of one path after the other, and costs as much as in a
     /// single run.
-    pub fn noise<M: PathsOfNoise + Clone + Send + Sync + 'a>(
-        mut self,
-        noise: M,
-    ) -> Ensemble<'a, H, E, M, P> {
+    pub fn noise<M: PathsOfNoise + Clone + Send + Sync + 'a>(mut self, noise: M) -> Ensemble<'a, H, E, M, P> {
         self.setup.more.source.set("noise", SOME, Source::new(noise));
         self.marked()
     }

@@ -20,52 +20,25 @@ pub(crate) use messages;
 mod words;
 
 mod bath;
-pub(crate) mod checkpoint;
-#[cfg(feature = "mpi")]
-mod cluster;
 mod derivative;
 mod failed;
 mod failure;
-pub(crate) mod file;
 mod index;
 mod internal;
-#[cfg(feature = "ensemble")]
-mod level;
 mod noise;
-#[cfg(feature = "svg")]
-mod plot;
-#[cfg(feature = "report")]
-mod report;
-mod series;
-#[cfg(feature = "ensemble")]
-mod statistics;
 mod stopped;
 
 use crate::ground::digits::Brief;
 pub use bath::BathError;
 
-pub use crate::ground::calculus::DomainError;
-pub use checkpoint::{CheckpointError, Damage, Difference};
-#[cfg(feature = "mpi")]
-pub use cluster::ClusterError;
 pub use derivative::DerivativeError;
 pub use failed::FailedLanes;
 pub use failure::StepFailure;
-pub use file::FileError;
 #[doc(hidden)]
 pub use index::Name;
 pub use index::{IndexError, IndexLimit};
 pub use internal::{InternalError, StepPromise};
-#[cfg(feature = "ensemble")]
-pub use level::{LevelError, LevelFailure};
 pub use noise::NoiseError;
-#[cfg(feature = "svg")]
-pub use plot::PlotError;
-#[cfg(feature = "report")]
-pub use report::ReportError;
-pub use series::SeriesError;
-#[cfg(feature = "ensemble")]
-pub use statistics::StatisticsError;
 pub use stopped::StoppedError;
 
 /// A step that failed. The state is unchanged, bit for bit.
@@ -204,83 +177,6 @@ pub(crate) fn above_zero<E: From<ConfigError>>(x: f64, what: impl Fn(Brief) -> S
     }
 }
 
-/// A question that a recorded path cannot answer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PathError {
-    /// Not every step was recorded, but the answer depends on every one.
-    Gaps {
-        /// What `record_every` was.
-        every: u64,
-    },
-    /// The recorded nodes are not evenly spaced: the last is not a multiple of `record_every` steps from the start, other nodes are recorded,
-    /// or the last step is shorter.
-    Uneven {
-        /// What `record_every` was.
-        every: u64,
-        /// Steps of the path.
-        steps: u64,
-    },
-    /// The path has no step.
-    Empty,
-    /// The time is not on the path.
-    Outside {
-        /// The requested time.
-        t: f64,
-        /// The first time of the path.
-        start: f64,
-        /// The last time of the path.
-        end: f64,
-    },
-    /// The node before this time was not recorded.
-    Unrecorded {
-        /// The requested time.
-        t: f64,
-        /// What `record_every` was.
-        every: u64,
-    },
-    /// The path is one of another system: degrees of freedom and noises differ.
-    System {
-        /// Degrees of freedom and noises of the path.
-        path: (usize, usize),
-        /// Degrees of freedom and noises of the system asked about.
-        system: (usize, usize),
-    },
-    /// The system has no first integral of this number.
-    Invariant {
-        /// Number asked for, from 0.
-        index: usize,
-        /// How many it has.
-        known: usize,
-    },
-    /// The nodes do not form a time scale.
-    Domain(DomainError),
-    /// The values along the path have no such estimate.
-    Series(SeriesError),
-}
-
-messages! { PathError:
-    Self::Gaps { every } =>
-        "this needs every step of the path, but it was run with record_every({every}); use 1";
-    Self::Uneven { every, steps } =>
-        "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps, `record_at` added others, \
-         or the last step is shorter, which `whole_steps` prevents";
-    Self::Empty => "the path has no step";
-    Self::Outside { t, start, end } =>
-        "t = {} is not on the path, which goes from {} to {}", Brief(*t), Brief(*start), Brief(*end);
-    Self::Unrecorded { t, every } =>
-        "the node before t = {} was not recorded (record_every({every})): run with `record_every(1)`, or ask the run for this time, \
-         `record_at([{}])`", Brief(*t), Brief(*t);
-    Self::System { path, system } =>
-        "the path has {} degrees of freedom and {} noises, but the system has {} and {}",
-        path.0, path.1, system.0, system.1;
-    Self::Invariant { index, known: 0 } =>
-        "there is no invariant {index}: the system lists none in `invariant = [...]`";
-    Self::Invariant { index, known } =>
-        "there is no invariant {index}: the system has {known}, counted from 0";
-    Self::Domain(error) => "{error}";
-    Self::Series(error) => "{error}";
-}
-
 /// An unknown name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownName {
@@ -308,10 +204,4 @@ impl UnknownName {
 messages! { UnknownName:
     Self { kind, name, known } if known.is_empty() => "no {kind} has the name `{name}`: the run has none";
     Self { kind, name, known } => "no {kind} has the name `{name}`: there are `{}`", known.join("`, `");
-}
-
-impl From<DomainError> for PathError {
-    fn from(error: DomainError) -> Self {
-        Self::Domain(error)
-    }
 }

@@ -1,6 +1,5 @@
 //! What everything stands on: numbers as words, digits, clocks, names.
 
-pub mod calculus;
 pub(crate) mod checksum;
 pub(crate) mod clock;
 pub(crate) mod digits;

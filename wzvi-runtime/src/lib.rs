@@ -5,12 +5,13 @@
 //! | module | contents |
 //! |---|---|
 //! | `ground` | numbers as words, digits, clocks, names |
-//! | `error` | errors of steps, runs, files and queries |
+//! | `error` | errors of steps, settings and increments |
 //! | `algebra` | the kinds of numbers, states, sums, and the solvers of equations in them |
 //! | `scheme` | schemes and their steps |
 //! | `increments`, `noise` | Wiener paths and other sources of increments |
 //! | `saving` | files and tables |
 //! | `statistics` | statistics of many paths |
+//! | `calculus` | derivatives and integrals on time scales |
 //! | `path` | one path: steps, records, sections, checkpoints |
 //! | `ensemble` | many paths |
 //! | `plot`, `report` | figures and pages |
@@ -27,6 +28,7 @@
 )]
 
 pub mod algebra;
+pub mod calculus;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;

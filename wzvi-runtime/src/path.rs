@@ -4,7 +4,7 @@ pub(crate) mod between;
 pub mod chaos;
 pub mod checkpoint;
 pub(crate) mod choice;
-mod error;
+pub mod error;
 pub(crate) mod options;
 pub(crate) mod recording;
 pub mod retry;

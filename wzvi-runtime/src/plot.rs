@@ -24,7 +24,7 @@ mod sheet;
 mod statistics;
 mod ticks;
 
-pub use crate::error::PlotError;
+pub use crate::path::error::PlotError;
 #[cfg(feature = "ensemble")]
 pub use chaos::ChaosMapPlot;
 pub(crate) use drawing::Plot;

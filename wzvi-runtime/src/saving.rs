@@ -2,5 +2,8 @@
 
 #[cfg(feature = "columnar")]
 mod columnar;
+mod error;
 pub(crate) mod file;
 pub mod table;
+
+pub use error::FileError;

@@ -2,6 +2,7 @@
 //! Each is a [`Statistic`].
 
 mod crossings;
+mod error;
 mod histogram;
 mod loss;
 mod moments;
@@ -14,6 +15,7 @@ mod statistic;
 mod table;
 
 pub use crossings::{Crossings, PathCrossing};
+pub use error::StatisticsError;
 pub use histogram::Histogram;
 pub use loss::{LossError, PathFailure};
 pub(crate) use origin::Origin;

@@ -19,7 +19,7 @@ use std::sync::OnceLock;
 use mpi::environment::{Threading, threading_support};
 use mpi::traits::Communicator;
 
-pub use crate::error::ClusterError;
+pub use crate::path::error::ClusterError;
 use orders::Orders;
 use ranks::{AbortOnPanic, agree, same};
 use serve::Hands;

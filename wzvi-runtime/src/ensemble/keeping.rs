@@ -9,9 +9,7 @@ use crate::ground::checksum::Checksum;
 use crate::ground::numbers::Numbers as _;
 use crate::increments::Identity;
 use crate::path::Error;
-use crate::path::checkpoint::{
-    self, Checkpoint, CheckpointError, Described, Extent, Keeper, Keeping, Kind,
-};
+use crate::path::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeper, Keeping, Kind};
 use crate::path::step::Stepper;
 use crate::path::steps::Single;
 use crate::scheme::system::Discretized;

@@ -26,7 +26,7 @@ mod run;
 
 use std::marker::PhantomData;
 
-pub use crate::error::{LevelError, LevelFailure};
+pub use crate::path::error::{LevelError, LevelFailure};
 pub use estimate::{Level, MultilevelEstimate};
 use run::{LEAST_LEVELS, Limits, Run};
 
@@ -195,8 +195,8 @@ where
         span.is_whole = true;
         self.setup.more.paths = Some(paths.unwrap_or(MOST_PATHS));
         let keeping = std::mem::take(&mut self.setup.keeping);
-        let job = Ensemble::<H, E, StepNormals, Paired> { setup: self.setup, types: PhantomData }
-            .job(&stop)?;
+        let job =
+            Ensemble::<H, E, StepNormals, Paired> { setup: self.setup, types: PhantomData }.job(&stop)?;
         check_end(end, &job)?;
         let [most_paths, most_constant] = [MOST_PATHS, MOST_CONSTANT].map(|most| paths.unwrap_or(most));
         let limits = Limits { target, weak_order, finest, most_paths, most_constant };

@@ -77,6 +77,7 @@
 //! and they give the increments of step `n` as in a run that was never stopped. A source of your own needs
 //! [`Noise::identity`](crate::increments::Noise::identity); without it, runs take no checkpoints.
 
+mod error;
 mod format;
 mod identity;
 mod keeper;
@@ -85,10 +86,10 @@ mod run;
 use std::path::PathBuf;
 use std::time::Duration;
 
-pub use crate::error::{CheckpointError, Damage, Difference};
 use crate::error::{ConfigError, wrong};
 use crate::path::simulate::Simulation;
 use crate::scheme::system::Discretized;
+pub use error::{CheckpointError, Damage, Difference};
 pub(crate) use format::Kind;
 pub(crate) use keeper::Keeper;
 pub(crate) use keeper::{Described, Extent};

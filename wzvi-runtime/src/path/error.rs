@@ -1,11 +1,35 @@
-//! Anything that can go wrong with a run.
+//! Anything that can go wrong with a run: the errors of all rooms, those of rooms below included.
+
+#[cfg(feature = "mpi")]
+mod cluster;
+#[cfg(feature = "ensemble")]
+mod level;
+#[cfg(feature = "svg")]
+mod plot;
+#[cfg(feature = "report")]
+mod report;
 
 use std::fmt;
 
 use crate::error::{
-    ConfigError, DerivativeError, DomainError, FileError, InternalError, NoiseError, PathError, StepError,
-    StoppedError, UnknownName,
+    ConfigError, DerivativeError, InternalError, NoiseError, StepError, StoppedError, UnknownName,
 };
+#[cfg(feature = "mpi")]
+pub use cluster::ClusterError;
+#[cfg(feature = "ensemble")]
+pub use level::{LevelError, LevelFailure};
+#[cfg(feature = "svg")]
+pub use plot::PlotError;
+#[cfg(feature = "report")]
+pub use report::ReportError;
+
+pub use crate::calculus::DomainError;
+pub use crate::path::checkpoint::{CheckpointError, Damage, Difference};
+pub use crate::path::series::SeriesError;
+pub use crate::path::trajectory::PathError;
+pub use crate::saving::FileError;
+#[cfg(feature = "ensemble")]
+pub use crate::statistics::StatisticsError;
 
 /// An enum of errors, each of which it is made of: its messages are theirs.
 macro_rules! any_of {
@@ -61,24 +85,24 @@ any_of! {
     Stopped(StoppedError),
     /// A path of a multilevel run has no value.
     #[cfg(feature = "ensemble")]
-    Level(crate::error::LevelError),
+    Level(LevelError),
     /// More paths of an ensemble failed than it allows.
     #[cfg(feature = "ensemble")]
     Losses(Box<crate::statistics::LossError>),
     /// The statistics of an ensemble cannot answer a question.
     #[cfg(feature = "ensemble")]
-    Statistics(crate::error::StatisticsError),
+    Statistics(StatisticsError),
     /// A checkpoint could not be written, or is not one of this run.
-    Checkpoint(crate::error::CheckpointError),
+    Checkpoint(CheckpointError),
     /// A run on several ranks ended on all of them.
     #[cfg(feature = "mpi")]
-    Cluster(crate::error::ClusterError),
+    Cluster(ClusterError),
     /// A plot could not be drawn or written.
     #[cfg(feature = "svg")]
-    Plot(crate::error::PlotError),
+    Plot(PlotError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]
-    Report(crate::error::ReportError),
+    Report(ReportError),
 }
 
 impl fmt::Debug for Error {

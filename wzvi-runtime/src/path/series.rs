@@ -12,17 +12,18 @@ mod batches;
 mod chains;
 #[cfg(feature = "correlation")]
 mod correlation;
+mod error;
 mod tally;
 mod temperature;
 #[cfg(feature = "correlation")]
 mod transform;
 
-pub use crate::error::SeriesError;
 pub use averages::{TimeAverage, TimeAverages, TimeAveraging};
 pub use batches::BatchMeans;
 pub use chains::Chains;
 #[cfg(feature = "correlation")]
 pub use correlation::{Autocorrelation, ByLag, LagIntegral};
+pub use error::SeriesError;
 pub(crate) use tally::Averaged;
 pub use temperature::{Equipartition, Share};
 pub(crate) use temperature::{configurational, configurational_of, kinetic, kinetic_of};

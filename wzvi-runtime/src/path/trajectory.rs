@@ -1,6 +1,7 @@
 //! The result of a run: states at the recorded nodes and the increments between them.
 
 mod at;
+mod error;
 mod recorder;
 #[cfg(feature = "serde")]
 mod serial;
@@ -12,15 +13,17 @@ use std::marker::PhantomData;
 use crate::algebra::scalar::larger;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::sum::Sum;
-use crate::error::{FileError, PathError, UnknownName};
-use crate::ground::calculus::{Function, Interior, Nodes, TimeScale};
+use crate::calculus::{Function, Interior, Nodes, TimeScale};
+use crate::error::UnknownName;
 use crate::ground::variables::Variables;
 use crate::path::options::Observable;
 use crate::path::section::Crossing;
 use crate::path::step::{Exchanged, StepInfo};
+use crate::saving::FileError;
 use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment, fits};
 pub use at::States;
+pub use error::PathError;
 pub(crate) use recorder::Recorder;
 pub use table::PathTable;
 

@@ -18,7 +18,7 @@ use super::axes::ranges;
 use super::figure::{Axis, Colour, Figure, Look, Series, Shades};
 use super::layout::{BAR, Entry, INDENT, KEY, Layout};
 use super::ticks::{Tick, ticks};
-use crate::error::PlotError;
+use crate::path::error::PlotError;
 
 /// Lines of more points are drawn to the pixel ([`thinned`]).
 const DRAWN: usize = 2500;

@@ -214,7 +214,7 @@ impl Figure {
     }
 
     /// Sets the limits of the horizontal axis; lines are interrupted where they leave it. Limits that are no
-    /// range are an error when the figure is drawn ([`PlotError::Range`](crate::error::PlotError::Range)).
+    /// range are an error when the figure is drawn ([`PlotError::Range`](crate::plot::PlotError::Range)).
     #[must_use]
     pub fn x_range(mut self, range: Range<f64>) -> Self {
         self.x.range = Some((range.start, range.end));

@@ -10,7 +10,7 @@ use super::drawing::drawn_png;
 use super::drawing::{Plot, drawn_svg};
 use super::figure::Figure;
 use super::layout::Layout;
-use crate::error::PlotError;
+use crate::path::error::PlotError;
 use crate::saving::file;
 
 /// Pixels of the file for one unit of the layout.

@@ -4,7 +4,7 @@
 
 use super::figure::{Figure, Look};
 use super::path::SHOWN;
-use crate::error::StatisticsError;
+use crate::statistics::StatisticsError;
 use crate::statistics::{Statistics, StatisticsNode};
 
 /// Figures of an ensemble: [`Statistics::plot`] begins them. Each method returns a [`Figure`]:

@@ -45,7 +45,7 @@ pub mod statistics;
 mod table;
 mod write;
 
-pub use crate::error::ReportError;
+pub use crate::path::error::ReportError;
 pub use data::{Cell, Report, Weak};
 pub use document::Document;
 pub use files::write_file;

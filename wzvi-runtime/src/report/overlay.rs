@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::ReportError;
-use crate::error::FileError;
+use crate::saving::FileError;
 
 /// A point that another program measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -19,7 +19,7 @@ use std::io::Read;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-use crate::error::FileError;
+use crate::saving::FileError;
 
 use crate::ground::checksum::Checksum;
 
@@ -76,7 +76,7 @@ impl Target {
                 return Err(FileError::Special {
                     path: path.to_owned(),
                     action,
-                    found: crate::error::file::name(kind),
+                    found: super::error::name(kind),
                 });
             }
         }

@@ -17,11 +17,12 @@ use super::origin::Origin;
 use super::passage::{Events, Passages};
 use super::paths::Paths;
 use super::statistic::{AnyStatistic, Seen, Statistic};
-use crate::error::StatisticsError;
-use crate::error::{FileError, InternalError, UnknownName};
+use crate::error::{InternalError, UnknownName};
 use crate::ground::digits::{Brief, estimate};
 use crate::ground::numbers::{Numbers, Tape};
+use crate::saving::FileError;
 use crate::saving::table::Parts;
+use crate::statistics::StatisticsError;
 
 const NO_HISTOGRAM: StatisticsError = StatisticsError::NotComputed {
     what: "histogram of this observable",

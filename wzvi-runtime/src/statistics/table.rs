@@ -7,8 +7,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::run::Statistics;
-use crate::error::FileError;
 use crate::ground::names::free;
+use crate::saving::FileError;
 use crate::saving::file::{self, Staged};
 use crate::saving::table::{Parts, Rows, Table, escaped};
 

@@ -2,8 +2,8 @@
 
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 
-use crate::error::ClusterError;
 use crate::path::Error;
+use crate::path::error::ClusterError;
 
 /// What a process that panics ends with.
 const PANICKED: i32 = 101;

@@ -10,9 +10,9 @@ use mpi::traits::Communicator;
 use super::orders::{Answer, Answers, Order, Orders};
 use super::ranks::end_all;
 use crate::ensemble::schedule::{PATIENCE, Pace, Queue, Shared, StopOnPanic, in_order};
-use crate::error::ClusterError;
 use crate::ground::numbers::{Numbers as _, Tape};
 use crate::path::Error;
+use crate::path::error::ClusterError;
 use crate::statistics::Statistics;
 
 /// Batches that a rank has: one to work on, one to go on with.

@@ -7,8 +7,8 @@ use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
 use crate::ensemble::job::Job;
 use crate::ensemble::starts::Systems;
-use crate::error::{LevelError, LevelFailure};
 use crate::path::Error;
+use crate::path::error::{LevelError, LevelFailure};
 use crate::scheme::system::Discretized;
 
 /// The coarser paths beside a group.

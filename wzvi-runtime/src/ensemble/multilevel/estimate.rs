@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::error::FileError;
 use crate::ground::digits::estimate;
+use crate::saving::FileError;
 use crate::statistics::StatisticsNode;
 
 /// Observables of a level: at the end of the fine path, and its difference from that of the coarse one.

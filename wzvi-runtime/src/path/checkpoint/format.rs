@@ -4,9 +4,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::keeper::Described;
-use crate::error::{CheckpointError, Damage};
 use crate::ground::checksum::Checksum;
 use crate::ground::numbers::{Numbers, Tape};
+use crate::path::checkpoint::{CheckpointError, Damage};
 
 /// The version that is read and written.
 pub(super) const VERSION: u32 = 5;

@@ -3,9 +3,9 @@
 use std::fmt::{self, Write};
 
 use crate::algebra::state::{State, Vector};
-use crate::error::Difference;
 use crate::ground::checksum::Checksum;
 use crate::ground::names::short_name;
+use crate::path::checkpoint::Difference;
 use crate::path::recording::Recording;
 use crate::path::retry::Retry;
 use crate::path::section::Sections;

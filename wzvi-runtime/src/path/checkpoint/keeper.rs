@@ -7,10 +7,11 @@ use super::Keeping;
 use super::format::{self, Encoded, Kind, Saved};
 use super::identity::{self, Fields};
 use crate::algebra::state::{State, Vector};
-use crate::error::{CheckpointError, Difference, FileError};
 use crate::ground::due::Due;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::path::Error;
+use crate::path::checkpoint::{CheckpointError, Difference};
+use crate::saving::FileError;
 use crate::saving::file::{self, Staged};
 use crate::scheme::system::{Discretized, PreparedOf};
 

@@ -5,11 +5,12 @@ use std::fmt;
 use super::BatchMeans;
 use super::tally::{Averaged, Tally, Targets};
 use crate::algebra::state::State;
-use crate::error::{FileError, UnknownName};
+use crate::error::UnknownName;
 use crate::ground::digits::estimate;
 use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::simulate::{Observer, Simulation, Summation, UsualSums};
+use crate::saving::FileError;
 use crate::scheme::system::{Discretized, Exchange, disequilibrium};
 
 /// Averages along one path: [`Simulation::time_averages`] begins it, [`TimeAveraging::run`] runs it.

@@ -3,8 +3,8 @@
 use super::SeriesError;
 use super::transform::{lagged_products, spectrum};
 use crate::algebra::state::{State, Vector};
-use crate::error::PathError;
-use crate::ground::calculus::TimeScale;
+use crate::calculus::TimeScale;
+use crate::path::trajectory::PathError;
 use crate::path::trajectory::Trajectory;
 use crate::scheme::system::Hamiltonian;
 

@@ -7,12 +7,13 @@
 use super::Trajectory;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
-use crate::error::{PathError, wrong};
+use crate::error::wrong;
 use crate::increments::{Interval, NoNoise, Noise, NoiseError};
 use crate::path::Error;
 use crate::path::retry::{Retry, Subdivision};
 use crate::path::span::{Grid, Place};
 use crate::path::steps::Step;
+use crate::path::trajectory::PathError;
 use crate::scheme::system::{CarryOf, Discretized, fits};
 
 /// Asks a recorded path for its states: [`Trajectory::at`] begins it.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::Trajectory;
 use crate::algebra::state::{State, Vector};
-use crate::error::FileError;
+use crate::saving::FileError;
 use crate::saving::file;
 use crate::saving::table::Table;
 use crate::scheme::system::Hamiltonian;

@@ -4,7 +4,7 @@
 //! mid-points odd. A scale is then where it begins, its stride in `j` (2, but 1 for T_∘ itself) and how many
 //! points it has. The operators `σ` and `ρ` add and subtract the stride, and no index arithmetic rounds.
 //!
-//! Tested by `wzvi-runtime/src/ground/calculus/tests.rs`.
+//! Tested by `wzvi-runtime/src/calculus/tests.rs`.
 
 use std::fmt;
 use std::marker::PhantomData;

@@ -1,6 +1,6 @@
 //! What can be wrong with a question to an ensemble.
 
-use super::UnknownName;
+use crate::error::{UnknownName, messages};
 
 /// A question that the statistics of an ensemble cannot answer.
 #[derive(Clone, Debug, PartialEq)]

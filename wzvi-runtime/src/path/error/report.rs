@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::{FileError, PlotError};
+use super::PlotError;
+use crate::error::messages;
+use crate::saving::FileError;
 
 /// A measurement that could not be made, read or written.
 #[derive(Clone, Debug, PartialEq)]

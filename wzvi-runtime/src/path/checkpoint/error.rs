@@ -3,7 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{FileError, InternalError};
+use crate::error::{InternalError, messages};
+use crate::saving::FileError;
 
 /// A checkpoint that could not be written, or from which no run can resume. No file was changed.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! What can be wrong with a path of a multilevel run.
 
-use super::StepError;
+use crate::error::{StepError, messages};
 
 /// Why a path has no value.
 #[derive(Clone, Copy, Debug, PartialEq)]

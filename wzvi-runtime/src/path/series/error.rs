@@ -1,5 +1,7 @@
 //! What can be wrong with a series of values.
 
+use crate::error::messages;
+
 /// Why a series has no estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SeriesError {

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::FileError;
+use crate::error::messages;
+use crate::saving::FileError;
 
 /// A plot that could not be drawn or written.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,5 +1,7 @@
 //! What can go wrong between ranks.
 
+use crate::error::messages;
+
 /// A run on several ranks that ended on all of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]

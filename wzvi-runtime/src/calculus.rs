@@ -25,17 +25,17 @@
 //! every identity holds exactly.
 //!
 //! ```
-//! use wzvi_runtime::ground::calculus::{Nodes, TimeScale};
+//! use wzvi_runtime::calculus::{Nodes, TimeScale};
 //!
 //! let scale = TimeScale::new(0.0, 1.0, 4)?;
 //! let square = scale.sample::<Nodes, _>(|t| t * t);
 //! // The mid-point rule and Δ₊ undo each other: ∫ Δ_{∘,+}[f_∘] Δ_½ t = f(b) - f(a).
-//! let slope = square.extension().delta_plus().restrict::<wzvi_runtime::ground::calculus::Midpoints>()?;
+//! let slope = square.extension().delta_plus().restrict::<wzvi_runtime::calculus::Midpoints>()?;
 //! assert_eq!(slope.integral(), Ok(1.0));
-//! # Ok::<(), wzvi_runtime::ground::calculus::DomainError>(())
+//! # Ok::<(), wzvi_runtime::calculus::DomainError>(())
 //! ```
 //!
-//! Tested by `wzvi-runtime/src/ground/calculus/tests.rs`.
+//! Tested by `wzvi-runtime/src/calculus/tests.rs`.
 
 pub mod function;
 mod lambda;

@@ -1,6 +1,6 @@
 //! Functions on time scales, their derivatives and means.
 //!
-//! Tested by `wzvi-runtime/src/ground/calculus/tests.rs`.
+//! Tested by `wzvi-runtime/src/calculus/tests.rs`.
 
 use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Sub};

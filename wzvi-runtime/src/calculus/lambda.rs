@@ -1,6 +1,6 @@
 //! Functions on T_λ: the quadrature points of the λ-antiderivative.
 //!
-//! Tested by `wzvi-runtime/src/ground/calculus/tests.rs`.
+//! Tested by `wzvi-runtime/src/calculus/tests.rs`.
 
 use super::{DomainError, TimeScale};
 
