@@ -23,6 +23,7 @@ mod chunk;
 #[cfg(feature = "mpi")]
 pub mod cluster;
 mod control;
+mod crossings;
 mod draws;
 mod group;
 mod increments;

@@ -82,7 +82,7 @@ pub(super) type Inspector<'a, V> = Box<dyn Fn(u64, &State<V>) + Send + Sync + 'a
 /// Says when to stop.
 pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
-impl<H: Discretized<E>, E> Job<'_, H, E> {
+impl<'a, H: Discretized<E>, E> Job<'a, H, E> {
     /// Whether [`Job::goes_path_by_path`] may be.
     pub(super) const MAY_GO_PATH_BY_PATH: bool = H::PROPERTIES.fills_registers_from < usize::MAX;
 
@@ -91,19 +91,17 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
         self.start.q.components().len() >= H::PROPERTIES.fills_registers_from && !self.source.is_antithetic()
     }
 
-    /// Whether something is looked for in each step.
+    /// The functions whose zeros paths cross: sections, then events.
+    pub(super) fn crossed(&self) -> impl Iterator<Item = &Observable<'a, H::Vector>> {
+        self.sections.functions().chain(&self.events)
+    }
+
+    /// Whether crossings are looked for in each step.
     pub(super) fn looks_inside(&self) -> bool {
-        !self.sections.is_empty() || self.has_passages_inside()
+        !self.sections.is_empty() || !self.events.is_empty() && !self.has_passages_at_nodes()
     }
 
-    /// Whether first passages are looked for inside steps: those of paths without noise, which are smooth
-    /// there.
-    pub(super) fn has_passages_inside(&self) -> bool {
-        !self.events.is_empty() && self.processes() == 0
-    }
-
-    /// Whether first passages are looked for at the nodes alone: inside a step a path with noise is not what
-    /// dense output says.
+    /// Whether first passages are looked for at the nodes alone: those of paths with noise.
     pub(super) fn has_passages_at_nodes(&self) -> bool {
         !self.events.is_empty() && self.processes() > 0
     }

@@ -1,5 +1,6 @@
 //! What paths beside each other show at the nodes of a run: observables, events, and what became of each.
 
+use super::crossings::PathCrossings;
 use super::group::Group;
 use super::job::{Job, OwnWork};
 use super::pace::Pace;
@@ -8,11 +9,10 @@ use crate::algebra::state::{State, Vector, copy_state};
 use crate::error::StoppedError;
 use crate::path::Error;
 use crate::path::recording::Recorded;
-use crate::path::section::{Change, Crossing, Side, Watch, crossing_of_chord};
 use crate::path::steps::Advance;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
-use crate::statistics::{Passage, PathFailure, Seen, Statistics};
+use crate::statistics::{PathFailure, Seen, Statistics};
 
 /// Collects the statistics of one group of paths after the other.
 pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
@@ -22,14 +22,8 @@ pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
     /// The last node that was looked at, and which of the recorded ones comes next.
     seen: u64,
     next: usize,
-    /// Whether events are looked for inside steps, or at nodes alone.
-    watches_inside: bool,
-    watches_nodes: bool,
-    /// On which side each event's function was at the last node, and when it was zero; not used where steps
-    /// are looked into.
-    sides: Vec<[Side<f64>; L]>,
-    /// When each event happened; NaN before.
-    passed: Vec<[f64; L]>,
+    /// Crossings of sections and events, by lane; none if a run looks for none.
+    crossings: Vec<PathCrossings<H::Vector>>,
     /// What is needed to look inside steps, by lane; none if nobody does.
     lanes: Vec<LaneInside<H::Vector>>,
     values: Vec<f64>,
@@ -40,10 +34,6 @@ struct LaneInside<V> {
     /// The state at the last node that was looked at.
     before: State<V>,
     dense: DenseOutput<V>,
-    sections: Watch<V>,
-    events: Watch<V>,
-    /// Crossings of the path so far, by section.
-    counts: Vec<u64>,
     /// A recorded state.
     room: State<V>,
 }
@@ -51,34 +41,23 @@ struct LaneInside<V> {
 impl<V: Vector> LaneInside<V> {
     fn new<H: Discretized<E, Vector = V>, E>(job: &Job<'_, H, E>) -> Self {
         let start = &job.start;
-        Self {
-            before: start.clone(),
-            dense: DenseOutput::of(start),
-            sections: Watch::new(job.sections.functions(), start),
-            events: Watch::new(job.events.iter(), start),
-            counts: vec![0; job.sections.len()],
-            room: start.clone(),
-        }
+        Self { before: start.clone(), dense: DenseOutput::of(start), room: start.clone() }
     }
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
-        let (events, observables) = (job.events.len(), job.observables.len());
-        let looks_inside = job.looks_between();
-        let lanes = if looks_inside { L } else { 0 };
+        let lanes = if job.looks_between() { L } else { 0 };
+        let crossings = if job.crossed().next().is_some() { L } else { 0 };
         Self {
             job,
             statistics: job.empty.clone(),
             pace: Pace::new(job.stop),
             seen: 0,
             next: 0,
-            watches_inside: job.has_passages_inside(),
-            watches_nodes: job.has_passages_at_nodes(),
-            sides: vec![[Side::at(0.0); L]; events],
-            passed: vec![[f64::NAN; L]; events],
+            crossings: (0..crossings).map(|_| PathCrossings::new(job)).collect(),
             lanes: (0..lanes).map(|_| LaneInside::new(job)).collect(),
-            values: vec![0.0; observables],
+            values: vec![0.0; job.observables.len()],
         }
     }
 
@@ -88,87 +67,34 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     /// If the run was stopped on the way.
     pub(super) fn begin<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) -> Result<(), Error> {
         (self.seen, self.next) = (0, 0);
-        self.passed.fill([f64::NAN; L]);
-        if self.watches_nodes {
-            for (sides, event) in self.sides.iter_mut().zip(&self.job.events) {
-                for (lane, side) in sides.iter_mut().enumerate() {
-                    *side = Side::at(event(group.state_at(lane, 0)));
-                }
-            }
+        for (lane, crossings) in self.crossings.iter_mut().enumerate() {
+            crossings.begin(self.job, group.state_at(lane, 0));
         }
-        for (lane, LaneInside { before, sections, events, dense, counts, .. }) in
-            self.lanes.iter_mut().enumerate()
-        {
+        for (lane, LaneInside { before, dense, .. }) in self.lanes.iter_mut().enumerate() {
             copy_state(before, group.state_at(lane, 0));
-            sections.begin(self.job.sections.functions(), before);
-            events.begin(self.job.events.iter(), before);
             dense.forget();
-            counts.fill(0);
         }
         self.record(group, 0)
     }
 
-    /// Looks for the events of the step that ended at this node, by the states at its nodes.
+    /// Looks for the crossings of the step that ended at this node.
     #[inline(never)]
-    fn watch<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) {
-        let times = [node - 1, node].map(|node| self.job.grid.time(node));
-        for lane in 0..L {
-            let is_over = !group.is_path(lane) || group.has_failed(lane);
-            if is_over || have_passed(&self.passed, lane) {
+    fn cross<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
+        let Self { job, statistics, crossings, lanes, .. } = self;
+        let times = [node - 1, node].map(|node| job.grid.time(node));
+        for (lane, crossings) in crossings.iter_mut().enumerate() {
+            if !group.is_path(lane) || group.has_failed(lane) {
                 continue;
             }
-            let state = group.state_at(lane, node);
-            let memory = self.sides.iter_mut().zip(&mut self.passed);
-            for ((sides, passed), event) in memory.zip(&self.job.events) {
-                if passed[lane].is_nan() {
-                    let (side, value) = (&mut sides[lane], event(state));
-                    let values = [side.value(), value];
-                    match side.go(value, || times[1]) {
-                        Some(Change::At(time)) => passed[lane] = time,
-                        Some(Change::Between) => passed[lane] = crossing_of_chord(times, values),
-                        None => {}
-                    }
-                }
+            if job.has_passages_at_nodes() {
+                crossings.look_at_node(job, times, group.state_at(lane, node));
             }
-        }
-    }
-
-    /// Looks into the step that ended at this node: for crossings of sections, and for the events of paths
-    /// without noise.
-    #[inline(never)]
-    fn follow<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
-        let Self { job, statistics, passed, lanes, watches_inside, .. } = self;
-        for (lane, LaneInside { before, dense, sections, events, counts, .. }) in lanes.iter_mut().enumerate()
-        {
-            let waits = *watches_inside && !have_passed(passed, lane);
-            if !group.is_path(lane) || group.has_failed(lane) || (job.sections.is_empty() && !waits) {
-                continue;
+            let (path, number) = (group.path(lane), crossings.looked_for_inside(job));
+            if let Some(LaneInside { before, dense, .. }) = lanes.get_mut(lane).filter(|_| number > 0) {
+                group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
+                    crossings.look_inside(job, number, dense, (path, &mut *statistics));
+                })?;
             }
-            let path = group.path(lane);
-            group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
-                sections.follow(job.sections.functions(), dense, &mut |crossing| {
-                    if !job.sections.want(&crossing) {
-                        return;
-                    }
-                    let Crossing { section, direction, state } = crossing;
-                    let (before, t) = (counts[section], state.t);
-                    let (q, p) = (state.q.components(), state.p.components());
-                    statistics.see(path, &Seen::Crossing { section, before, direction, t, q, p });
-                    counts[section] += 1;
-                });
-                if waits {
-                    events.follow(
-                        job.events.iter(),
-                        dense,
-                        &mut |Crossing { section: event, state, .. }| {
-                            let passed = &mut passed[event][lane];
-                            if passed.is_nan() {
-                                *passed = state.t;
-                            }
-                        },
-                    );
-                }
-            })?;
         }
         Ok(())
     }
@@ -241,18 +167,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     /// What became of the paths of a group, in the order of their numbers.
     pub(super) fn finish<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) {
         let failures = group.take_failures();
-        for (event, passed) in self.passed.iter().enumerate() {
+        let paths = || self.crossings.iter().enumerate().filter(|(lane, _)| group.is_path(*lane));
+        for event in 0..self.job.events.len() {
             let mut failures = failures.iter();
-            for (lane, time) in passed.iter().enumerate() {
-                if !group.is_path(lane) {
-                    continue;
-                }
+            for (lane, crossings) in paths() {
                 let failure = if group.has_failed(lane) { failures.next() } else { None };
-                let passage = match failure {
-                    _ if !time.is_nan() => Passage::At(*time),
-                    Some(failure) => Passage::Lost(self.job.grid.time(failure.error.step)),
-                    None => Passage::Censored,
-                };
+                let failed = failure.map(|failure| self.job.grid.time(failure.error.step));
+                let passage = crossings.passage(event, failed);
                 self.statistics.see(group.path(lane), &Seen::Passage { event, passage });
             }
         }
@@ -260,17 +181,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             self.statistics.see(path, &Seen::Failure(error));
         }
         for section in 0..self.job.sections.len() {
-            for (lane, inside) in self.lanes.iter().enumerate().filter(|(lane, _)| group.is_path(*lane)) {
-                let count = inside.counts[section];
+            for (lane, crossings) in paths() {
+                let count = crossings.count(section);
                 self.statistics.see(group.path(lane), &Seen::Crossings { section, count });
             }
         }
     }
-}
-
-/// Whether all events of a lane have happened.
-fn have_passed<const L: usize>(passed: &[[f64; L]], lane: usize) -> bool {
-    passed.iter().all(|passed| !passed[lane].is_nan())
 }
 
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
@@ -283,14 +199,13 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, node: u64) -> u64 {
-        let Observation { job, next, pace, .. } = &*self.1;
+        let Observation { job, next, pace, crossings, .. } = &*self.1;
         let recorded = job.recorded.get(*next).map_or(u64::MAX, |recorded| {
             // Both nodes of a step that is looked into.
             if recorded.is_inside && recorded.node > node + 1 { recorded.node - 1 } else { recorded.node }
         });
-        let is_watched = !job.events.is_empty() || !job.sections.is_empty();
-        let watched = if is_watched { node + 1 } else { u64::MAX };
-        recorded.min(watched).min(node.saturating_add(pace.left()))
+        let crossed = if crossings.is_empty() { u64::MAX } else { node + 1 };
+        recorded.min(crossed).min(node.saturating_add(pace.left()))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -298,11 +213,8 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
         let (group, observation) = self;
         observation.work(node - observation.seen, node)?;
         observation.seen = node;
-        if observation.watches_nodes {
-            observation.watch(group, node);
-        }
-        if observation.watches_inside || !observation.job.sections.is_empty() {
-            observation.follow(group, node)?;
+        if !observation.crossings.is_empty() {
+            observation.cross(group, node)?;
         }
         observation.record(group, node)?;
         for (lane, inside) in observation.lanes.iter_mut().enumerate() {

@@ -23,8 +23,7 @@ use crate::algebra::state::{State, Vector};
 use crate::path::options::{Functions, Observable};
 use crate::scheme::dense::{DenseOutput, Samples};
 use root::{lowest, root};
-use side::sign;
-pub(crate) use side::{Change, Side, crossing_of_chord};
+use side::{Change, Side, crossing_of_chord, sign};
 
 /// The fewest parts of a step at whose ends the function is evaluated.
 const LEAST_PARTS: usize = 4;
@@ -109,6 +108,23 @@ impl<V: Vector> Watch<V> {
             step.follow(side, &self.samples, parts, &mut |direction, state| {
                 found(Crossing { section, direction, state });
             });
+        }
+    }
+
+    /// The time at which a function crosses zero in the step between these times that ended in this state, as far as
+    /// its nodes tell: on the chord, unless a node is on the section.
+    pub(crate) fn arrive(
+        &mut self,
+        number: usize,
+        function: &Observable<'_, V>,
+        times: [f64; 2],
+        state: &State<V>,
+    ) -> Option<f64> {
+        let (side, value) = (&mut self.sides[number], function(state));
+        let values = [side.value(), value];
+        match side.go(value, || state.clone().at(times[1]))? {
+            Change::At(state) => Some(state.t),
+            Change::Between => Some(crossing_of_chord(times, values)),
         }
     }
 
