@@ -1,4 +1,18 @@
 //! The linear equations of Newton's method, solved by elimination in a band or by a preconditioned Krylov iteration.
+//!
+//! Each of the ways is faster than the others by more than 1.3 somewhere. In ms for a solution to twelve digits and a
+//! tenth of a factorisation, with `ω h / 2` of the fastest motion (`cargo bench --workspace --bench linear`; `-` for
+//! bands of more than 2 10^10 multiplications, which were not tried):
+//!
+//! | matrix | `ω h / 2` | band | complete sparse factors | GMRES, incomplete factors |
+//! |---|---|---|---|---|
+//! | chain of 10^5 sites | 20 | **2.0** | 3.0 | 14 |
+//! | chain of 10^5 sites | 2000 | **1.9** | 3.1 | 9.7 |
+//! | lattice of 256^2 sites | 2 | - | 253 | **116** |
+//! | lattice of 256^2 sites | 20 | - | **309** | 1587 |
+//! | lattice of 256^2 sites | 2000 | - | **199** | does not converge |
+//! | lattice of 32^3 sites | 20 | - | 6220 | **239** |
+//! | lattice of 32^3 sites | 200 | - | 4862 | **440** |
 
 use super::costs::Costs;
 use super::jacobian::Visit;
