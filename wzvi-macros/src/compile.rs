@@ -6,6 +6,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use crate::check::check;
+use crate::choose::choose;
 use crate::describe::{Texts, derived};
 use crate::diagnostics::{Diagnostics, Located, internal};
 use crate::discretise::{Facts, Step};
@@ -15,10 +16,11 @@ use crate::emit::{Expansion, emit};
 use crate::functions;
 use crate::input::{self, Library};
 use crate::lower::lower;
+use crate::model::{Form, System};
 use crate::passes::collect::collect;
 use crate::passes::friction::friction;
 use crate::passes::ito::ito;
-use crate::passes::unroll::{unroll, written_out};
+use crate::passes::unroll::{may_be_written_out, unroll, written_out};
 
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
 /// with the struct and stubs, so that `rustc` adds no errors of its own.
@@ -85,28 +87,58 @@ fn compile(
 
     // lower
     let mut system = lower(container, declaration, &phase_space, diagnostics)?;
-    unroll(&mut system);
-    collect(&mut system, diagnostics);
-    ito(&mut system, diagnostics);
-    friction(&mut system, diagnostics);
-    if diagnostics.has_errors() {
-        return None;
-    }
+
+    // choose
+    let listed = values(&system.embeddings);
+    let choice = choose(&system, &listed);
+    (system.form, system.slopes) = (choice.elements, choice.slopes);
 
     // analyse
-    let facts = Facts::new(&mut system);
-    check(&mut system, &facts, diagnostics);
+    let (mut system, facts) = analyse(system, diagnostics)?;
+
+    // derive, describe, emit
+    if choice.has_straight_lines() {
+        system.line = written_out(&mut system).map(Rc::new);
+    }
+    let steps = derived(listed.iter()).into_iter().map(|embedding| {
+        let form = choice.of(&embedding);
+        Step::of(&mut system, &facts, &embedding, form)
+    });
+    let steps: Vec<Step> = steps.collect();
+    let texts = Texts::new(&mut system, &facts, &listed, &steps);
+    Some(emit(&mut system, &facts, &steps, &texts))
+}
+
+/// The system as elements in its form, and its facts. A small system that is refused in loops is written out: more is known
+/// of one size than of all. `None` after an error was reported.
+fn analyse(mut system: System, diagnostics: &mut Diagnostics) -> Option<(System, Facts)> {
     if diagnostics.has_errors() {
         return None;
     }
+    if system.form == Form::Loops && may_be_written_out(&system) {
+        let mut in_loops = Diagnostics::new();
+        let mut looped = system.clone();
+        let facts = analyse_in_form(&mut looped, &mut in_loops);
+        if in_loops.finish().is_ok() {
+            return facts.map(|facts| (looped, facts));
+        }
+        system.form = Form::StraightLines;
+    }
+    let facts = analyse_in_form(&mut system, diagnostics)?;
+    Some((system, facts))
+}
 
-    // derive, describe, emit
-    system.line = written_out(&mut system).map(Rc::new);
-    let listed = values(&system.embeddings);
-    let steps: Vec<Step> =
-        derived(listed.iter()).iter().map(|embedding| Step::of(&mut system, &facts, embedding)).collect();
-    let texts = Texts::new(&mut system, &facts, &listed, &steps);
-    Some(emit(&mut system, &facts, &steps, &texts))
+fn analyse_in_form(system: &mut System, diagnostics: &mut Diagnostics) -> Option<Facts> {
+    unroll(system);
+    collect(system, diagnostics);
+    ito(system, diagnostics);
+    friction(system, diagnostics);
+    if diagnostics.has_errors() {
+        return None;
+    }
+    let facts = Facts::new(system);
+    check(system, &facts, diagnostics);
+    (!diagnostics.has_errors()).then_some(facts)
 }
 
 /// The schemes, and those inside of thermostats.

@@ -15,11 +15,13 @@
 //! | `lower`, `functions` | from Rust to terms; functions that Hamiltonians share |
 //! | `discretise` | discrete Lagrangians, equations, facts |
 //! | `passes` | from systems to systems |
+//! | `choose` | straight lines or loops, for each scheme |
 //! | `check` | refusals of the mathematics |
 //! | `describe`, `emit` | the text of `EQUATIONS`; Rust code |
 //! | `compile` | all stages on one page |
 
 mod check;
+mod choose;
 mod compile;
 mod dependency;
 mod describe;

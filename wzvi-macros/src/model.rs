@@ -165,6 +165,7 @@ pub(crate) struct Noise {
 }
 
 /// The correction that the conversion added to a system in the sense of Ito, as text.
+#[derive(Clone)]
 pub(crate) struct Conversion {
     /// To the Hamiltonian of the drift.
     pub(crate) drift: Option<String>,
@@ -211,7 +212,15 @@ pub(crate) struct Family {
     pub(crate) count: Index,
 }
 
+/// The form of code: with a variable for each degree of freedom, or with loops over elements.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Form {
+    StraightLines,
+    Loops,
+}
+
 /// The declaration after lowering: every Hamiltonian as a sum of elements.
+#[derive(Clone)]
 pub(crate) struct System {
     pub(crate) graph: Graph,
     pub(crate) shape: Shape,
@@ -255,7 +264,11 @@ pub(crate) struct System {
     pub(crate) item: syn::ItemStruct,
     /// Path of the facade crate as the user's crate knows it, `::wzvi` by default.
     pub(crate) crate_path: syn::Path,
-    /// The same with each degree of freedom a variable of its own, where it is written out.
+    /// The form of the elements.
+    pub(crate) form: Form,
+    /// The form of the slopes of the step Hamiltonian.
+    pub(crate) slopes: Form,
+    /// The same with each degree of freedom a variable of its own, where a step or the slopes are in straight lines.
     pub(crate) line: Option<Rc<StraightLine>>,
     /// Functions that repeat the user's closures for `rustc` to type-check at the user's spans; never called.
     pub(crate) type_checks: TokenStream,
@@ -265,6 +278,11 @@ impl System {
     /// The parameters of the system as it is emitted.
     pub(crate) fn listed(&self) -> &[Parameter] {
         self.line.as_ref().map_or(&self.parameters, |line| &line.parameters)
+    }
+
+    /// The straight lines that the slopes of the step Hamiltonian are taken of, where these are in that form.
+    pub(crate) fn line_of_slopes(&self) -> Option<Rc<StraightLine>> {
+        self.line.clone().filter(|_| self.slopes == Form::StraightLines)
     }
 
     /// The drift, the noises, the first integrals, the forces.

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+use proc_macro2::TokenStream;
+
 use super::{expand, golden_tests};
 use crate::symbolic::tests::effort;
 
@@ -54,6 +56,75 @@ fn effort_of_every_scene() {
         }
     }
     assert!(slow.is_empty(), "more than {ALLOWED} nodes per embedding: {slow:?}");
+}
+
+const SIZES: [(&str, &[usize]); 2] =
+    [("bodies", &[2, 4, 6, 8, 9, 12, 16, 17]), ("chain", &[4, 6, 8, 12, 16, 17, 24])];
+
+/// The systems of `cargo bench --workspace --bench choose`: attribute and struct.
+fn sized(kind: &str, n: usize, scheme: &str) -> (String, String) {
+    let (drift, fields) = match kind {
+        "bodies" => (
+            format!(
+                "|q: [[f64; 3]; {n}], p: [[f64; 3]; {n}]| \
+                 (0..{n}).map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1] + p[i][2] * p[i][2]) / mass[i]).sum::<f64>() \
+                 - (0..{n}).map(|i| (0..i).map(|j| {{ \
+                     let [x, y, z] = [q[i][0] - q[j][0], q[i][1] - q[j][1], q[i][2] - q[j][2]]; \
+                     mass[i] * mass[j] / (x * x + y * y + z * z + 0.01).sqrt() }}).sum::<f64>()).sum::<f64>()"
+            ),
+            format!("mass: [f64; {n}]"),
+        ),
+        _ => (
+            format!(
+                "|q: [f64; {n}], p: [f64; {n}]| {{ let v = |d: f64| 0.5 * d * d + 0.25 * beta * d.powi(4); \
+                 p.iter().map(|p| 0.5 * p * p).sum::<f64>() + (1..{n}).map(|i| v(q[i] - q[i - 1])).sum::<f64>() \
+                 + v(q[0]) + v(q[{n} - 1]) }}"
+            ),
+            "beta: f64".to_owned(),
+        ),
+    };
+    (format!("drift = {drift}, embedding = {scheme}"), format!("struct Sized {{ {fields} }}"))
+}
+
+/// Milliseconds of the processor that this thread took so far, where the system tells.
+fn processor() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    text.split(' ').next().and_then(|time| time.parse::<f64>().ok()).map_or(f64::NAN, |time| time * 1e-6)
+}
+
+/// An expansion costs at most half more than that of any larger size, or is that of a short system: below this effort it takes
+/// some hundredths of a second, most of them for what does not depend on the size.
+#[test]
+fn effort_by_size() {
+    const SHORT: u64 = 60_000;
+    println!("size: nodes, characters, milliseconds of the processor");
+    for (kind, sizes) in SIZES {
+        for scheme in ["Midpoint", "Verlet", "Gauss<4>"] {
+            let mut efforts = Vec::new();
+            print!("{kind:8}{scheme:10}");
+            for &n in sizes {
+                let (attribute, item) = sized(kind, n, scheme);
+                let (attribute, item): (TokenStream, TokenStream) =
+                    (attribute.parse().unwrap(), item.parse().unwrap());
+                let before = processor();
+                let (nodes, expansion) = effort::of(|| expand(attribute, item));
+                let (text, time) = (expansion.to_string(), processor() - before);
+                assert!(!text.contains("compile_error"), "{kind} {n} {scheme}: {text}");
+                print!("  {n}: {nodes}, {}, {time:.0}", text.len());
+                efforts.push((n, nodes));
+            }
+            println!();
+            for (at, &(n, nodes)) in efforts.iter().enumerate() {
+                for &(larger, most) in &efforts[at..] {
+                    let allowed = SHORT.max(most + most / 2);
+                    assert!(
+                        nodes <= allowed,
+                        "{scheme}: {n} {kind} cost {nodes} nodes, {larger} cost {most}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 /// No increment, no noise term, no solver that an explicit step does not need.

@@ -16,7 +16,7 @@ use crate::discretise::{
     Block, Facts, NoiseClass, Scheme, Solution, StepSymbols, Unknown, modified, unweighted,
 };
 use crate::embedding::{Embedding, Points};
-use crate::model::{Conversion, System, Term};
+use crate::model::{Conversion, Form, System, Term};
 use crate::symbolic::{Graph, Knowledge, Rational};
 
 /// The text of one scheme, from the discrete Lagrangian to the step.
@@ -31,7 +31,8 @@ pub(crate) fn derivation(graph: &mut Graph, scheme: &Scheme) -> String {
 /// Every Hamiltonian and force, as sums of elements.
 pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
     let numbers = system.noise_numbers();
-    let System { graph, drift, parts, noise, force, conformal, conversion, names, line, .. } = system;
+    let line = system.line.clone().filter(|_| system.form == Form::StraightLines);
+    let System { graph, drift, parts, noise, force, conformal, conversion, names, .. } = system;
     let text = &mut String::new();
     let value =
         |graph: &mut Graph, term: &Term| facts.space.display(graph, &unweighted(&term.values), Rational::ONE);
@@ -85,24 +86,42 @@ fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
     let symbols = &scheme.lagrangian.symbols;
     say!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h");
     say!(text, "  L_d = {}", graph.display(scheme.lagrangian.value));
-    for (q0, u) in symbols.nodes.iter().zip(&symbols.unknowns).take(symbols.degrees()) {
-        let (node, increment) = (graph.symbol_name(*q0).to_owned(), graph.symbol_name(*u).to_owned());
+    for_each(symbols.degrees(), DEGREES, text, |i, text| {
+        let (q0, u) = (symbols.nodes[i], symbols.unknowns[i]);
+        let (node, increment) = (graph.symbol_name(q0).to_owned(), graph.symbol_name(u).to_owned());
         let end = node.strip_suffix("_i").map_or_else(|| node.clone(), |name| format!("{name}_{{i+1}}"));
         say!(text, "  {increment} = {end} - {node}");
-    }
+    });
     for stage in symbols.stages.iter().filter(|stage| !stage.at.l.is_zero()) {
-        for (i, &point) in stage.q.iter().enumerate() {
+        for_each(symbols.degrees(), DEGREES, text, |i, text| {
             let increment = graph.symbol(symbols.unknowns[i]);
             let value = graph.shifted(symbols.nodes[i], increment, stage.at.l);
-            say!(text, "  {} = {}", graph.symbol_name(point), graph.display(value));
+            say!(text, "  {} = {}", graph.symbol_name(stage.q[i]), graph.display(value));
+        });
+    }
+}
+
+/// The most characters of a derivation before lines for further degrees of freedom are left out.
+const MOST: usize = 6_000;
+
+const DEGREES: &str = "degrees of freedom";
+
+/// Adds lines for each of `count` subjects until the text is long, and then says how many are left.
+fn for_each(count: usize, subjects: &str, text: &mut String, mut lines: impl FnMut(usize, &mut String)) {
+    for i in 0..count {
+        if text.len() > MOST && i + 1 < count {
+            say!(text, "  … and so on for {} further {subjects}", count - i);
+            return;
         }
+        lines(i, text);
     }
 }
 
 fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
     let StepSymbols { nodes, unknowns, momentum, .. } = &scheme.lagrangian.symbols;
     say!(text, "\nDiscrete Euler-Lagrange equations");
-    for (i, of_v) in (momentum.len()..unknowns.len()).enumerate() {
+    for_each(momentum.len(), DEGREES, text, |i, text| {
+        let of_v = momentum.len() + i;
         let symbols = [momentum[i], unknowns[i], nodes[of_v], unknowns[of_v]];
         let [momentum, u, p0, v] = symbols.map(|symbol| graph.symbol_name(symbol).to_owned());
         let equations = &scheme.equations;
@@ -116,7 +135,7 @@ fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
         let change = equations.update[i].change(graph, v);
         let end = p0.strip_suffix("_i").map_or_else(|| p0.clone(), |name| format!("{name}_{{i+1}}"));
         say!(text, "  {end} = D2 L_d:  {end} - {p0} = {}", graph.display(change));
-    }
+    });
 }
 
 fn step(graph: &Graph, scheme: &Scheme, text: &mut String) {

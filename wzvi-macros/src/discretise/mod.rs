@@ -29,7 +29,7 @@ pub(crate) use self::lagrangian::{DiscreteLagrangian, StepSymbols};
 pub(crate) use self::parts::{PartElements, family_of, parts_of, scale_momenta};
 pub(crate) use self::plan::{Step, Strategy, Unknowns};
 pub(crate) use self::quadrature::{Part, Quadrature, Stage};
-pub(crate) use self::structure::{Block, Pivot, Solution, Unknown, increment};
+pub(crate) use self::structure::{Block, Dependencies, Pivot, Solution, Unknown, increment};
 pub(crate) use self::sums::{Calculus, Increments, Judged, Space, Sum, Weighted, unweighted, weighted};
 
 use self::structure::Structure;
@@ -45,18 +45,6 @@ pub(crate) struct Scheme {
     pub(crate) structure: Structure,
     /// Whether the limit is the Stratonovich system.
     pub(crate) consistent: bool,
-}
-
-/// The most unknowns of a block of a step in straight lines: six sites of which one half of the phase space is unknown, three where both are. For chains,
-/// rings and pairs with the mid-point a step of six sites takes 0.7 to 1.0 of the time of elements without loops, alone and in ensembles, and at eight
-/// 0.9 to 1.2. Where both halves are unknown, three sites take 0.9 to 1.2 of the time of loops, and four 1.4 to 1.7.
-/// (`cargo bench --workspace --bench seam` forces both ways beside the chosen one.)
-const MOST_UNKNOWNS: usize = 6;
-
-/// Whether Newton's method with dense elimination costs more than iterations with no elimination, or a banded one.
-pub(crate) fn is_cheaper_swept(Scheme { structure, .. }: &Scheme) -> bool {
-    let takes_newton = |block: &&Block| matches!(block.solution, Solution::Newton { .. });
-    structure.blocks.iter().filter(takes_newton).any(|block| block.iterates.len() > MOST_UNKNOWNS)
 }
 
 /// Discretises `line` by `embedding`: from Hamiltonians to a step in straight-line code.

@@ -14,11 +14,9 @@
 
 use std::rc::Rc;
 
-use crate::discretise::{
-    Facts, Part, Quadrature, Scheme, Stage, discretise, has_constant_forces, is_cheaper_swept,
-};
+use crate::discretise::{Facts, Part, Quadrature, Scheme, Stage, discretise, has_constant_forces};
 use crate::embedding::Embedding;
-use crate::model::{Element, StraightLine, System};
+use crate::model::{Element, Form, StraightLine, System};
 use crate::symbolic::Rational;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -43,12 +41,13 @@ pub(crate) enum Step {
 }
 
 impl Step {
-    /// The straight-line step, if the system is unrolled and loops do not cost less.
-    pub(crate) fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
-        let System { graph, line, .. } = system;
-        let scheme = line.clone().map(|line| (discretise(graph, &line, facts, embedding), line));
-        match scheme.filter(|(scheme, _)| !is_cheaper_swept(scheme)) {
-            Some((scheme, line)) => Self::StraightLine(line, Box::new(scheme)),
+    /// The step in the form that was chosen.
+    pub(crate) fn of(system: &mut System, facts: &Facts, embedding: &Embedding, form: Form) -> Self {
+        match system.line.clone().filter(|_| form == Form::StraightLines) {
+            Some(line) => {
+                let scheme = discretise(&mut system.graph, &line, facts, embedding);
+                Self::StraightLine(line, Box::new(scheme))
+            }
             None => Self::InLoops(embedding.clone(), Strategy::of(system, facts, embedding)),
         }
     }

@@ -41,7 +41,7 @@ pub(crate) fn shape(number: Option<usize>) -> TokenStream {
 
 /// `impl Field`
 fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenStream {
-    let line = system.line.clone();
+    let line = system.line_of_slopes();
     let line = line.as_deref();
     let slopes = line.map(|line| slopes(&mut system.graph, line, is_nystrom));
     let reads_time = |element: &Element| system.graph.depends_on(element.value, &[system.t]);

@@ -34,7 +34,7 @@ use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shap
 use crate::key::Key;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
-use crate::model::{Family, Half, Noise, Slot, System, Term};
+use crate::model::{Family, Form, Half, Noise, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 use arrays::{Array, Origin};
@@ -132,6 +132,8 @@ pub(crate) fn lower(
         embeddings: declaration.embeddings.into_iter().map(|(embedding, _)| embedding).collect(),
         item: container.item,
         crate_path: declaration.crate_path,
+        form: Form::Loops,
+        slopes: Form::Loops,
         line: None,
         type_checks,
     })

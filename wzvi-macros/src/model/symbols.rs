@@ -17,7 +17,7 @@ pub(crate) struct Sum {
 }
 
 /// The symbols of a graph that are neither time nor parameters.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Symbols {
     /// Names of coordinates and momenta.
     pub(crate) names: [String; 2],

@@ -10,7 +10,7 @@ use super::unroll::{Writer, parts};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::distinct::Distinct;
 use crate::model::symbols::Sum;
-use crate::model::{Element, Family, Index, Loop, Reads, Slot, System, Term};
+use crate::model::{Element, Family, Index, Loop, Noise, Reads, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// Makes the elements of every term; reports terms that are not sums of elements.
@@ -19,12 +19,8 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
     let (mut writer, before, noise, after) = parts(system);
     let singles = before.into_iter().chain(after).map(|term| (term, Vec::new()));
     let noise = noise.iter_mut().map(|noise| {
-        let member = noise.family.as_ref().map(|Family { variable, count }| Loop {
-            variable: *variable,
-            start: Default::default(),
-            end: count.clone(),
-        });
-        (&mut noise.term, member.into_iter().collect())
+        let loops = members(noise).into_iter().collect();
+        (&mut noise.term, loops)
     });
     for (term, loops) in singles.chain(noise) {
         if writer.collect(term, &loops).is_none() {
@@ -36,6 +32,35 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
             diagnostics.report(expressions::index_outside(term.extent, index, degrees));
         }
     }
+}
+
+/// The elements of the drift with what acts beside it, and those of the noises, without changes to the system; `None` if a
+/// term is not a sum of elements.
+pub(crate) fn sketched(system: &mut System) -> Option<[Vec<Element>; 2]> {
+    // Friction is a flow of its own in a thermostat.
+    let friction = system.friction.iter().filter(|_| !system.has_thermostat());
+    let beside = system.force.iter().chain(friction.map(|friction| &friction.term));
+    let drift: Vec<Expr> = [&system.drift].into_iter().chain(beside).map(|term| term.expression).collect();
+    let noise: Vec<(Expr, Vec<Loop>)> = system
+        .noise
+        .iter()
+        .map(|noise| (noise.term.expression, members(noise).into_iter().collect()))
+        .collect();
+    let (mut writer, ..) = parts(system);
+    let mut elements = <[Vec<Element>; 2]>::default();
+    for expression in drift {
+        writer.decompose(expression, &[], &mut elements[0])?;
+    }
+    for (expression, loops) in noise {
+        writer.decompose(expression, &loops, &mut elements[1])?;
+    }
+    Some(elements)
+}
+
+/// The loop over the members of a family of noises.
+fn members(noise: &Noise) -> Option<Loop> {
+    let Family { variable, count } = noise.family.as_ref()?;
+    Some(Loop { variable: *variable, start: Default::default(), end: count.clone() })
 }
 
 /// Elements as derivatives need them: each reads only coordinates, only momenta, or what cannot be parted.

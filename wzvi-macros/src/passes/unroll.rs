@@ -1,8 +1,9 @@
 //! Unrolling of loops of literal length. Sums are symbols until here; a sum is unrolled by its body at each value of the
-//! loop variable. The choice is by cost, and all its thresholds are here:
+//! loop variable.
 //!
-//! * a system of few points is written out as a whole, so that each degree of freedom is a variable of its own,
-//! * in a larger one, short sums: components of points, stencils, corners,
+//! * A system whose steps are all in straight lines (see `choose`) is written out as a whole, so that each degree of
+//!   freedom is a variable of its own,
+//! * in another one, short sums: components of points, stencils, corners,
 //! * and, anywhere, sums that cannot be loops: arguments of nonlinear functions.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -12,26 +13,42 @@ use quote::quote;
 use crate::indices::Indices;
 use crate::model::symbols::{Sum, Symbols};
 use crate::model::{
-    Family, Index, Local, Loop, Noise, Parameter, Phase, Slot, StraightLine, System, Table, Term,
+    Family, Form, Index, Local, Loop, Noise, Parameter, Phase, Slot, StraightLine, System, Table, Term,
 };
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
-/// The most turns of a loop, and points of a system, that are unrolled: there, straight-line code with dense
-/// elimination is as fast as a sweep.
-const TURNS: i128 = 16;
+/// What is short: turns of a loop, and nodes of the sum that is written out. With more nodes the code of derivatives is
+/// larger than that of a loop, and no faster.
+#[derive(Clone, Copy)]
+struct Short {
+    turns: i128,
+    nodes: usize,
+}
 
-/// The most turns of an outermost loop of a larger system that is unrolled. Longer ones run vectorised over neighbours, which
-/// pays for their setup.
-const OUTERMOST: i128 = 8;
+/// An inner loop that is unrolled.
+const INNER: Short = Short { turns: 16, nodes: 200 };
+
+/// An outermost loop of a system in loops that is unrolled. Longer ones run vectorised over neighbours, which pays for their
+/// setup.
+const OUTERMOST: Short = Short { turns: 8, nodes: 24 };
+
+/// The most points of a system that is written out where its elements are refused in loops.
+const POINTS: i128 = 16;
 
 /// The most operations of an unrolled Hamiltonian: more code takes minutes to compile.
 const OPERATIONS: usize = 20_000;
 
-/// Unrolls loops if that costs less.
+/// Whether a system is written out where its elements are refused in loops.
+pub(crate) fn may_be_written_out(system: &System) -> bool {
+    system.size.as_integer().is_some_and(|points| points <= POINTS)
+}
+
+/// Unrolls all loops, or short ones, by the form of the elements.
 pub(crate) fn unroll(system: &mut System) {
-    if is_small(system) && unroll_all(system) {
+    if system.form == Form::StraightLines && unroll_all(system) {
         return;
     }
+    system.form = Form::Loops;
     let (mut writer, before, noise, after) = parts(system);
     let noise = noise.iter_mut().map(|noise| &mut noise.term);
     for term in before.into_iter().chain(noise).chain(after) {
@@ -49,11 +66,6 @@ pub(super) fn parts(system: &mut System) -> (Writer<'_>, Vec<&mut Term>, &mut Ve
     let temperature = temperature.iter_mut().map(|temperature| &mut temperature.term);
     let after = invariants.iter_mut().chain(force).chain(friction).chain(temperature);
     (Writer::new(graph, symbols, tables), [drift].into_iter().chain(parts).collect(), noise, after.collect())
-}
-
-/// Whether each degree of freedom becomes a separate variable.
-fn is_small(system: &System) -> bool {
-    system.size.as_integer().is_some_and(|points| points <= TURNS)
 }
 
 /// Unrolls every loop and family; `false`, without changes, if that is impossible.
@@ -106,17 +118,18 @@ impl<'a> Writer<'a> {
         written.collect()
     }
 
-    /// `expr` with sums of at most `turns` turns unrolled, and short ones in the bodies of the others, too.
-    fn without_short_sums(&mut self, expr: Expr, turns: i128) -> Expr {
+    /// `expr` with short sums unrolled, and short ones in the bodies of the others, too.
+    fn without_short_sums(&mut self, expr: Expr, short: Short) -> Expr {
         let mut images = HashMap::new();
         for symbol in self.graph.symbols_in(expr) {
             let Some(Sum { range, body, .. }) = self.symbols.sum_of(symbol).cloned() else { continue };
-            let body = self.without_short_sums(body, TURNS);
-            let is_short = range.length().is_some_and(|length| length <= turns);
+            let body = self.without_short_sums(body, INNER);
+            let is_short = range.length().is_some_and(|length| length <= short.turns);
             let written = if is_short { self.turns(&range, body, &BTreeMap::new()) } else { None };
+            let written = written.filter(|&sum| self.graph.reachable(&[sum]).len() <= short.nodes);
             let image = match written {
                 // Unrolling may have made inner loops short.
-                Some(sum) => self.without_short_sums(sum, turns),
+                Some(sum) => self.without_short_sums(sum, short),
                 None => {
                     let symbol = self.symbols.sum(self.graph, range, body);
                     self.graph.symbol(symbol)
@@ -190,18 +203,74 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The system with a variable for each degree of freedom; `None` if it has many points, remaining loops, or indices known at run time
-/// only.
+/// The system with a variable for each degree of freedom; `None` if places or bounds are known at run time only.
 pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
-    let locals = if is_small(system) { known_locals(system) } else { None };
-    let locals = locals?;
+    let [q, p] = system.symbols.phase();
+    if q.is_empty() {
+        return None;
+    }
+    let (is_whole, t) = (system.form == Form::StraightLines, system.t);
     let has_covectors = system.has_forces() || system.friction.is_some();
-    let System { graph, symbols, tables, parameters, t, drift, noise, force, conformal, .. } = system;
-    let displacements = if has_covectors { symbols.displacements(graph) } else { Vec::new() };
-    let indices = Indices { tables, checked: true, lists: &[] };
-    let mut parameters = parameters.clone();
+    let read: Vec<Symbol> = match is_whole {
+        true => {
+            system.terms().flat_map(|term| &term.values).flat_map(|e| &e.locals).map(|l| l.symbol).collect()
+        }
+        false => Vec::new(),
+    };
+    let displacements = match has_covectors {
+        true => system.symbols.displacements(&mut system.graph),
+        false => Vec::new(),
+    };
+    let phase = Phase { q, p, displacements, t };
+    let System { graph, symbols, tables, drift, noise, force, .. } = system;
+    let mut writer = Writer::new(graph, symbols, tables);
+    let drift = writer.placements(drift, &BTreeMap::new())?;
+    let force = match force {
+        Some(force) => Some(writer.placements(force, &BTreeMap::new())?),
+        None => None,
+    };
+    let (mut hamiltonians, mut forces) = (Vec::new(), Vec::new());
+    for Noise { term, family, is_force } in &*noise {
+        let of_kind = if *is_force { &mut forces } else { &mut hamiltonians };
+        match family {
+            None => of_kind.push(writer.placements(term, &BTreeMap::new())?),
+            Some(Family { variable, count }) => {
+                for member in 0..count.as_integer()? {
+                    of_kind.push(writer.placements(term, &BTreeMap::from([(*variable, member)]))?);
+                }
+            }
+        }
+    }
+    let roots: Vec<Expr> =
+        [drift].into_iter().chain(force).chain(hamiltonians.clone()).chain(forces.clone()).collect();
+    let mut symbols_read: BTreeSet<Symbol> = read.into_iter().collect();
+    symbols_read.extend(graph.reachable(&roots).into_iter().filter_map(|part| graph.as_symbol(part)));
+    let locals = symbols.locals_among(symbols_read.into_iter());
+    let is_known = |local: &Local| match &local.slot {
+        Slot::State(_, index) => index.as_integer().is_some(),
+        slot => !slot.indices().iter().any(|index| index.reads_size() || !index.loops().is_empty()),
+    };
+    if !locals.iter().all(is_known) {
+        return None;
+    }
+    let mut components = |work: &Expr| phase.components(graph, *work);
+    let force = force.as_ref().map(&mut components);
+    let noise_forces = forces.iter().map(components).collect();
+    let parameters = parameters_with(system, &locals);
+    // Elements in loops have no parameters for entries of lists, which may differ between the lanes of a sweep.
+    if !is_whole && parameters.len() > system.parameters.len() {
+        return None;
+    }
+    let conformal = system.conformal;
+    Some(StraightLine { phase, parameters, drift, noise: hamiltonians, force, noise_forces, conformal })
+}
+
+/// The parameters of the system, and the entries of lists among `locals`, in order of first use.
+fn parameters_with(system: &System, locals: &[Local]) -> Vec<Parameter> {
+    let indices = Indices { tables: &system.tables, checked: true, lists: &[] };
+    let mut parameters = system.parameters.clone();
     for Local { symbol, slot } in locals {
-        let tokens = match &slot {
+        let tokens = match slot {
             Slot::State(_, _) => continue,
             Slot::Number(index) => {
                 let value = indices.value(index);
@@ -209,41 +278,44 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
             }
             Slot::Entry(table, entries) => indices.constant_entry(*table, entries),
         };
-        parameters.push(Parameter { symbol, tokens, is_integer: matches!(slot, Slot::Number(_)) });
+        parameters.push(Parameter { symbol: *symbol, tokens, is_integer: matches!(slot, Slot::Number(_)) });
     }
-    // In order of first use.
     parameters.sort_by_key(|parameter| parameter.symbol.index());
-    let [q, p] = symbols.phase();
-    let phase = Phase { q, p, displacements, t: *t };
-    let mut value = |term: &Term| {
-        let values: Vec<Expr> = term.values.iter().map(|element| element.value).collect();
-        graph.sum(&values)
-    };
-    let work = force.as_ref().map(&mut value);
-    let (forces, noise): (Vec<&Noise>, Vec<&Noise>) = noise.iter().partition(|noise| noise.is_force);
-    let forces: Vec<Expr> = forces.into_iter().map(|noise| value(&noise.term)).collect();
-    let drift = value(drift);
-    let noise = noise.into_iter().map(|noise| value(&noise.term)).collect();
-    let force = work.map(|work| phase.components(graph, work));
-    let noise_forces = forces.into_iter().map(|work| phase.components(graph, work)).collect();
-    Some(StraightLine { phase, parameters, drift, noise, force, noise_forces, conformal: *conformal })
+    parameters
 }
 
-/// The local variables of a system in straight-line form: no element has loops, and no index reads the size of the state.
-fn known_locals(system: &System) -> Option<Vec<Local>> {
-    let is_single = |noise: &Noise| noise.family.is_none();
-    let elements = || system.terms().flat_map(|term| &term.values);
-    if !system.noise.iter().all(is_single) || elements().any(|element| !element.loops.is_empty()) {
-        return None;
+impl Writer<'_> {
+    /// The sum of all elements of a term at the turns of their loops, where variables of outer loops have `values`.
+    fn placements(&mut self, term: &Term, values: &BTreeMap<u32, i128>) -> Option<Expr> {
+        self.spent = 0;
+        let mut terms = Vec::new();
+        for element in &term.values {
+            let loops: Vec<&Loop> =
+                element.loops.iter().filter(|known| !values.contains_key(&known.variable)).collect();
+            self.place(element.value, &loops, &mut values.clone(), &mut terms)?;
+        }
+        Some(self.graph.sum(&terms))
     }
-    let read: BTreeSet<Symbol> = elements().flat_map(|e| &e.locals).map(|local| local.symbol).collect();
-    let locals = system.symbols.locals_among(read.into_iter());
-    let has_phase = !system.symbols.phase()[0].is_empty();
-    let is_known = |local: &Local| match &local.slot {
-        Slot::State(_, index) => has_phase && index.as_integer().is_some(),
-        slot => !slot.indices().iter().any(Index::reads_size),
-    };
-    locals.iter().all(is_known).then_some(locals)
+
+    fn place(
+        &mut self,
+        value: Expr,
+        loops: &[&Loop],
+        values: &mut BTreeMap<u32, i128>,
+        terms: &mut Vec<Expr>,
+    ) -> Option<()> {
+        let Some((outermost, inner)) = loops.split_first() else {
+            terms.push(if values.is_empty() { value } else { self.at(value, values)? });
+            return Some(());
+        };
+        let known = |index: &Index| index.at(values).and_then(|index| index.as_integer());
+        for turn in known(&outermost.start)?..known(&outermost.end)? {
+            values.insert(outermost.variable, turn);
+            self.place(value, inner, values, terms)?;
+        }
+        values.remove(&outermost.variable);
+        Some(())
+    }
 }
 
 impl Loop {

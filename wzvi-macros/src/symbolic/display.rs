@@ -102,9 +102,11 @@ impl Writer<'_> {
             return self.multiple(coefficient, term, depth);
         }
         let mut summands: Vec<(bool, String)> = Vec::with_capacity(terms.len() + 1);
-        for &(term, coefficient) in terms {
+        for (written, &(term, coefficient)) in terms.iter().enumerate() {
             if self.nodes_left == 0 {
-                summands.push((false, "…".into()));
+                let further = terms.len() - written;
+                let noun = if further == 1 { "term" } else { "terms" };
+                summands.push((false, format!("… {further} further {noun}")));
                 break;
             }
             let magnitude = if coefficient.is_negative() { coefficient.negate() } else { coefficient };

@@ -2,13 +2,14 @@
 
 use std::collections::HashMap;
 
+use super::{DEGREES, for_each};
 use crate::discretise::{Facts, StepSlopes, is_nystrom};
 use crate::model::{Phase, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// The text of `Gauss<stages>`; with a line for each equation if the system is unrolled.
 pub(crate) fn derivation(system: &mut System, facts: &Facts, stages: u32) -> String {
-    let line = system.line.clone();
+    let line = system.line_of_slopes();
     let line = line.as_deref();
     let numbers = system.noise_numbers();
     let terms = numbers.iter().map(|number| format!(" + ΔW{number} H{number}"));
@@ -46,10 +47,12 @@ Discrete Euler-Lagrange equations
             text,
             "  where h is large for the linear part K of the force, Q ← Q + (1 + h² A² M⁻¹K)⁻¹ (φ(Q) - Q), made once"
         );
-        for (row, column, value) in slopes.stiffness {
+        let entries = &slopes.stiffness;
+        for_each(entries.len(), "entries", &mut text, |entry, text| {
+            let (row, column, value) = entries[entry];
             let [row, column] = [row, column].map(|d| graph.symbol_name(line.phase.q[d]).to_owned());
             say!(text, "    K_{row}{column} = {}", graph.display(value));
-        }
+        });
     }
     text
 }
@@ -65,16 +68,16 @@ fn equations(graph: &mut Graph, phase: &Phase, slopes: &StepSlopes, text: &mut S
         let slope = graph.substitute(&[slope], &placement)[0];
         (graph.symbol_name(symbol).to_owned(), graph.display(slope))
     };
-    for (&q, &by_p) in phase.q.iter().zip(&slopes.by_p) {
-        let (name, slope) = equation(q, by_p);
+    for_each(phase.q.len(), DEGREES, text, |i, text| {
+        let (name, slope) = equation(phase.q[i], slopes.by_p[i]);
         say!(text, "  ∂L_d/∂p_j = 0:  V_{name} = {slope},  {name}_j = {name}_i + Σ_k a_jk V_{name},k");
-    }
-    for (&p, &by_q) in phase.p.iter().zip(&slopes.by_q) {
-        let (name, slope) = equation(p, by_q);
+    });
+    for_each(phase.p.len(), DEGREES, text, |i, text| {
+        let (name, slope) = equation(phase.p[i], slopes.by_q[i]);
         say!(text, "  ∂L_d/∂V_j = 0:  {name}_j = {name}_i - Σ_k a_jk K_{name},k,  K_{name} = {slope}");
-    }
-    for &p in &phase.p {
-        let name = graph.symbol_name(p);
+    });
+    for_each(phase.p.len(), DEGREES, text, |i, text| {
+        let name = graph.symbol_name(phase.p[i]);
         say!(text, "  {name}_{{i+1}} = D2 L_d:  {name}_{{i+1}} = {name}_i - Σ_j b_j K_{name},j");
-    }
+    });
 }

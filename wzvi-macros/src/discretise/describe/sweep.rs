@@ -64,7 +64,7 @@ pub(crate) fn derivation(
         parts.extend(named.into_iter().filter(|named| !named.sum.is_empty()));
     }
     equations(system, &stages, &parts, &mut text);
-    // In a copy: the order of products in the code is that in which its nodes were made.
+    // In a copy: the order of products in the code is that in which their nodes were made.
     let graph = &mut system.graph.clone();
     for half in [Half::Momenta, Half::Coordinates, Half::Displacements] {
         parts.iter().for_each(|part| slopes(graph, facts, part, half, &mut text));

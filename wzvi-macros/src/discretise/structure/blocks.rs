@@ -28,6 +28,12 @@ impl Dependencies {
         Self { reads, cost }
     }
 
+    /// The same of equations that are not known yet: all cost the same.
+    pub(crate) fn of(reads: Vec<Vec<Unknown>>) -> Self {
+        let cost = vec![1; reads.len()];
+        Self { reads, cost }
+    }
+
     /// Strongly connected components, each after those that it reads: the search trees of the reversed graph, rooted in the reverse
     /// finishing order of a search of the graph (Kosaraju).
     pub(crate) fn components(&self) -> Vec<Vec<Unknown>> {
@@ -57,6 +63,9 @@ impl Dependencies {
         for candidate in candidates(free, self.reads.len() / 2) {
             let mut feedback: Vec<usize> = forced.iter().chain(&candidate).copied().collect();
             feedback.sort_unstable();
+            if best.as_ref().is_some_and(|(size, ..)| *size < feedback.len()) {
+                continue;
+            }
             let assigned = component.iter().filter(|vertex| !feedback.contains(vertex));
             let assigned_cost = assigned.map(|&vertex| self.cost[vertex]).sum();
             let key = (feedback.len(), assigned_cost);

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use crate::choose::choose;
 use crate::diagnostics::Diagnostics;
 use crate::discretise::facts::{Facts, NoiseClass};
 use crate::embedding::Embedding;
@@ -36,6 +37,8 @@ fn find(attribute: &str, diagnostics: &mut Diagnostics) -> Option<(Graph, Facts)
     let mut declaration = input::read_attribute(attribute.parse().unwrap(), diagnostics)?;
     let phase_space = input::read_phase_space(&mut declaration, diagnostics)?;
     let mut system = lower(container, declaration, &phase_space, diagnostics)?;
+    let listed: Vec<_> = system.embeddings.iter().map(|known| known.value.clone()).collect();
+    system.form = choose(&system, &listed).elements;
     unroll(&mut system);
     collect(&mut system, diagnostics);
     friction(&mut system, diagnostics);

@@ -25,7 +25,7 @@ use crate::emit::plan::degrees;
 use crate::emit::{Names, count, f64_type, implementation, parameter_names};
 use crate::indices::Indices;
 use crate::input::{Length, Shape};
-use crate::model::{Parameter, System};
+use crate::model::{Form, Parameter, System};
 use crate::tokens::mentions;
 
 use self::weighted::Nests;
@@ -155,8 +155,9 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let has_windows = windows::are_there(model, &parts);
     // Read where a window takes a whole step at once.
     let is_constant = has_windows.is_some() && facts.has_constant_curvature;
+    let has_loops = model.form == Form::Loops || model.line.is_none();
     // Steps in straight lines count the unknowns of their blocks.
-    let coupled = facts.coupled_degrees.filter(|_| model.line.is_none()).map(count);
+    let coupled = facts.coupled_degrees.filter(|_| has_loops).map(count);
     let of_elements = overrides::Facts {
         kind: hamiltonian::kind(model),
         bath: parts::bath(model),
@@ -175,7 +176,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let shape = shape(model.line.as_ref().map(|line| line.phase.q.len()));
     let structure = structure(texts);
     let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
-    let runs = model.line.is_none().then(|| quote!(use #elements::Run as _;));
+    let runs = has_loops.then(|| quote!(use #elements::Run as _;));
     let body = quote! {
             const FACTS: __wzvi::Facts = #known;
             type Shape = #shape;

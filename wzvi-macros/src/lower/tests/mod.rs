@@ -13,7 +13,7 @@ use proc_macro2::TokenStream;
 
 use crate::diagnostics::Diagnostics;
 use crate::input;
-use crate::model::StraightLine;
+use crate::model::{Form, StraightLine};
 use crate::passes::collect::collect;
 use crate::passes::unroll::{unroll, written_out};
 use crate::symbolic::Graph;
@@ -44,6 +44,7 @@ fn model_of(attribute: &str, item: &str) -> Result<Model, String> {
     let model = input::read_attribute(attribute, &mut diagnostics).and_then(|mut declaration| {
         let phase_space = input::read_phase_space(&mut declaration, &mut diagnostics)?;
         let mut system = super::lower(system?, declaration, &phase_space, &mut diagnostics)?;
+        system.form = Form::StraightLines;
         unroll(&mut system);
         collect(&mut system, &mut diagnostics);
         let line = written_out(&mut system).unwrap_or_else(|| panic!("loops are left"));
