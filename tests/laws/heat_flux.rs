@@ -38,6 +38,31 @@ fn check<const N: usize>(flux: f64, temperatures: [f64; N]) {
     for (i, temperature) in temperatures.into_iter().enumerate() {
         check(&format!("temperature {i}"), temperature);
     }
+    heat_of_baths::<N>(flux);
+}
+
+/// The heat of both baths between two times when the start is forgotten, in units of time: the flux, and minus
+/// that.
+fn heat_of_baths<const N: usize>(flux: f64) {
+    let run = BetweenBaths::<N>.ensemble::<Baoab>(0.05).start(State::new([0.0; N], [0.0; N]));
+    let run = run.paths(600).seed(2).until(460.0).record_at([60.0]).observe_work().quiet();
+    let statistics = run.run().unwrap();
+    let [_, early, late] = statistics.nodes() else { panic!("the start, and two times") };
+    let heat = |i: usize| {
+        let place = statistics.index(&format!("heat {i}")).unwrap();
+        // Heats of separate times are hardly correlated, so that the error of the later one is that of the
+        // difference, or more.
+        ((late.mean(place) - early.mean(place)) / 400.0, late.standard_error(place) / 400.0)
+    };
+    for ((heat, error), exact) in [(heat(0), flux), (heat(N - 1), -flux)] {
+        assert!(
+            (heat - exact).abs() < 4.0 * error && error < 0.05 * flux,
+            "{heat} ± {error}, exactly {exact}"
+        );
+    }
+    for i in 1..N - 1 {
+        assert_eq!(heat(i).0, 0.0);
+    }
 }
 
 #[test]
