@@ -15,6 +15,8 @@ mod bath;
 mod branches;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod brouwer;
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
+mod chaos_errors;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod convergence;
 #[cfg(any(clippy, not(debug_assertions)))]
