@@ -25,8 +25,6 @@ pub(crate) mod single;
 use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 
 use crate::algebra::scalar::{Mask, Number, Scalar, Special, larger};
-use crate::algebra::solve::{Effort, Equations, lanes, together};
-use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// `L` numbers, in registers where they fit.
@@ -159,6 +157,11 @@ impl<const L: usize> Mask for LaneMask<L> {
     fn lane(self, lane: usize) -> bool {
         self.0[lane] != 0
     }
+    type ByLane<T> = [T; L];
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn by_lane<T>(of: impl FnMut(usize) -> T) -> [T; L] {
+        std::array::from_fn(of)
+    }
 }
 
 macro_rules! bitwise {
@@ -260,21 +263,6 @@ impl<const L: usize> Scalar for Lanes<L> {
     const IS_BESIDE: bool = true;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
-        x: &mut [Self; N],
-        equations: impl Equations<Self, N>,
-    ) -> Result<Effort, StepFailure> {
-        lanes::newton::<L, N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn linear<const N: usize>(matrix: [[Self; N]; N], b: [Self; N]) -> Result<[Self; N], StepFailure> {
-        if L == 1 { together::linear(matrix, b) } else { Ok(lanes::general::<L, N, false>(&matrix, &b)) }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn usable(pivot: Self) -> Result<Self, StepFailure> {
-        if L == 1 { together::usable(pivot) } else { Ok(lanes::usable(pivot)) }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {
         Self([value; L])
     }
@@ -301,6 +289,10 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
         self.zip(size, f64::nearly_over)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearly_recip(self) -> Self {
+        self.map(f64::nearly_recip)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, lane: usize) -> f64 {

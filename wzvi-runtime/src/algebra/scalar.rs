@@ -18,8 +18,7 @@ pub use special::Special;
 
 use super::stages::Stages;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::solve::{Effort, Equations, together};
-use crate::error::{FailedLanes, StepFailure};
+use crate::error::FailedLanes;
 use crate::ground::numbers::Numbers;
 
 /// The truth of a comparison: `bool` for one number, a mask for several at once.
@@ -42,6 +41,10 @@ pub trait Mask:
     }
     /// The truth of one lane.
     fn lane(self, lane: usize) -> bool;
+    /// One value of any type for each lane.
+    type ByLane<T>: AsMut<[T]>;
+    /// The values of a function for each lane.
+    fn by_lane<T>(of: impl FnMut(usize) -> T) -> Self::ByLane<T>;
 }
 
 impl Mask for bool {
@@ -56,6 +59,11 @@ impl Mask for bool {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, _lane: usize) -> bool {
         self
+    }
+    type ByLane<T> = [T; 1];
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn by_lane<T>(mut of: impl FnMut(usize) -> T) -> [T; 1] {
+        [of(0)]
     }
 }
 
@@ -146,39 +154,6 @@ pub trait Scalar:
     fn nearly_over(self, size: Self) -> Self {
         Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
     }
-    /// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start
-    /// other than zero may come from past steps.
-    ///
-    /// # Errors
-    /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
-    /// iteration whose corrections do not shrink fast. Lanes have NaN instead.
-    #[doc(hidden)]
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
-        x: &mut [Self; N],
-        equations: impl Equations<Self, N>,
-    ) -> Result<Effort, StepFailure> {
-        together::newton::<Self, N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
-    }
-    /// `A⁻¹ b` for a matrix given by rows.
-    ///
-    /// # Errors
-    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the terms subtracted from it. Lanes have NaN instead.
-    #[doc(hidden)]
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn linear<const N: usize>(matrix: [[Self; N]; N], b: [Self; N]) -> Result<[Self; N], StepFailure> {
-        together::linear(matrix, b)
-    }
-    /// The pivot, which is the matrix `1 - c` of one unknown, to divide by.
-    ///
-    /// # Errors
-    /// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does. Lanes have NaN
-    /// instead.
-    #[doc(hidden)]
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn usable(pivot: Self) -> Result<Self, StepFailure> {
-        together::usable(pivot)
-    }
     /// Where every part of the number is zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vanishes(self) -> Self::Mask {
@@ -224,6 +199,11 @@ pub trait Scalar:
 
     /// `1 / self`
     fn recip(self) -> Self;
+    /// `1 / |self|` within a nineteenth, with any sign: finite for zero, and not defined for sizes above `8.5e307`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearly_recip(self) -> Self {
+        (self.abs() + f64::MIN_POSITIVE).recip()
+    }
     /// `self^exponent` for an integer exponent.
     fn powi(self, exponent: i32) -> Self;
     /// `self^exponent`
@@ -425,6 +405,10 @@ impl Scalar for f64 {
 
     forward!(recip sqrt cbrt exp exp2 exp_m1 ln ln_1p log2 log10 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh abs signum);
 
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearly_recip(self) -> Self {
+        nearly_inverse(self)
+    }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sin_cos(self) -> (Self, Self) {
         f64::sin_cos(self)

@@ -1,7 +1,8 @@
 //! The solvers of a step: dense factorisation and Newton's method, on arrays, without allocation.
 //!
-//! Generated code calls the functions of [`Scalar`](crate::algebra::scalar::Scalar) with these names. `newton` and `dense` implement them for
-//! one number and for several that share a verdict (dual numbers). `lanes` decides for each lane of trajectories separately.
+//! Numbers do not know solvers: these are functions of any [`Scalar`](crate::algebra::scalar::Scalar). Generated code calls [`linear`], [`usable`] and
+//! [`Block::newton`]. They solve for one number, or for several that share a verdict, by `newton` and `dense`. Numbers with derivatives are solved
+//! for their values, and then for each derivative. `lanes` decides for each lane of trajectories separately.
 
 mod banded;
 mod block;
@@ -15,14 +16,14 @@ mod extrapolation;
 mod factors;
 mod graph;
 mod krylov;
-pub(crate) mod lanes;
+mod lanes;
 mod newton;
 mod sparse;
 
 pub use banded::Banded;
 pub use block::{Block, Inputs};
 pub(crate) use damped::{Problem, Room, damped};
-pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
+pub use dense::{Factor, SymmetricFactor, linear, prepared, reciprocal_above_one, usable};
 pub use effort::{Doubt, Effort};
 pub use extrapolation::Extrapolation;
 pub use factors::FactorsByLane;
@@ -32,9 +33,3 @@ pub use krylov::{Krylov, Operator};
 pub use newton::Equations;
 pub(crate) use newton::astray;
 pub use sparse::Sparse;
-
-/// How numbers of any type are solved for that have one verdict.
-pub(crate) mod together {
-    pub(crate) use super::dense::{linear, usable};
-    pub(crate) use super::newton::newton;
-}

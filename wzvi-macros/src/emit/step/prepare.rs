@@ -61,7 +61,7 @@ impl Prepared {
             statements.extend(printer.bind(&solve.entries(), &used, &|_| false));
             let (name, made) = if solve.method == Method::Inverted {
                 let value = printer.constant_value(solve.matrix[0][0]);
-                (printer.name(solve.unknowns[0]), quote!(__K::usable(#value).map(__K::recip)))
+                (printer.name(solve.unknowns[0]), quote!(__wzvi::usable::<__K>(#value).map(__K::recip)))
             } else {
                 let (name, rows) =
                     (names.take("factor"), rows(&solve.matrix, |entry| printer.constant_value(entry)));

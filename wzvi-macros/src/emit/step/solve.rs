@@ -93,16 +93,18 @@ impl SolveBody<'_> {
                 self.linear(solve, |pivot, _| quote!(__wzvi::reciprocal_above_one::<__S>(#(#pivot)*)))
             }
             Method::Reciprocal { is_safe: false } => {
-                self.linear(solve, |pivot, _| quote!(__S::usable(#(#pivot)*)?.recip()))
+                self.linear(solve, |pivot, _| quote!(__wzvi::usable::<__S>(#(#pivot)*)?.recip()))
             }
-            Method::Divided => self.linear(solve, |pivot, rhs| quote!((#(#rhs)*) / __S::usable(#(#pivot)*)?)),
+            Method::Divided => {
+                self.linear(solve, |pivot, rhs| quote!((#(#rhs)*) / __wzvi::usable::<__S>(#(#pivot)*)?))
+            }
             Method::Factored => {
                 let (factor, over) = (self.factors.next(), quote!(<__S as __wzvi::Over<__K>>));
                 self.linear(solve, |_, rhs| quote!(#over::solve_factored(#factor, [#(#rhs),*])))
             }
             Method::Linear => self.linear(solve, |matrix, rhs| {
                 let rows = matrix.chunks(rhs.len()).map(|row| quote!([#(#row),*]));
-                quote!(__S::linear([#(#rows),*], [#(#rhs),*])?)
+                quote!(__wzvi::linear::<__S, _>([#(#rows),*], [#(#rhs),*])?)
             }),
             Method::Newton { symmetric } => self.newton(solve, symmetric),
         }

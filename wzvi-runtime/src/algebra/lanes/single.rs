@@ -92,6 +92,11 @@ impl Mask for KnownTruth {
     fn lane(self, _lane: usize) -> bool {
         self.truth
     }
+    type ByLane<T> = [T; 1];
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn by_lane<T>(mut of: impl FnMut(usize) -> T) -> [T; 1] {
+        [of(0)]
+    }
 }
 
 macro_rules! arithmetic {
@@ -197,6 +202,10 @@ impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_relative_to(self, other: Self) -> f64 {
         self.0.nearly_relative_to(other.0)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearly_recip(self) -> Self {
+        Self(self.0.nearly_recip())
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_identical(self, other: Self) -> bool {

@@ -10,7 +10,6 @@ use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Number, Scalar, Special};
-use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// Functions that numbers with additional parts compute from value and slope alone; `$with` takes these two.
@@ -285,40 +284,6 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn set_derivative(&mut self, number: usize, derivative: S) {
         self.derivative[number] = derivative;
-    }
-    /// `x' = A⁻¹ (b' - A' x)`
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn linear<const M: usize>(matrix: [[Self; M]; M], b: [Self; M]) -> Result<[Self; M], StepFailure> {
-        let zero = S::from_f64(0.0);
-        let (mut values, mut side) = ([[zero; M]; M], [zero; M]);
-        for i in 0..M {
-            side[i] = b[i].value;
-            for j in 0..M {
-                values[i][j] = matrix[i][j].value;
-            }
-        }
-        let solution = S::linear(values, side)?;
-        let mut x = b;
-        for i in 0..M {
-            x[i].value = solution[i];
-        }
-        for number in 0..N {
-            for i in 0..M {
-                side[i] = b[i].derivative[number];
-                for j in 0..M {
-                    side[i] = side[i] - matrix[i][j].derivative[number] * solution[j];
-                }
-            }
-            let slopes = S::linear(values, side)?;
-            for i in 0..M {
-                x[i].derivative[number] = slopes[i];
-            }
-        }
-        Ok(x)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn usable(pivot: Self) -> Result<Self, StepFailure> {
-        Ok(Self { value: S::usable(pivot.value)?, derivative: pivot.derivative })
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(self) -> S::Mask {

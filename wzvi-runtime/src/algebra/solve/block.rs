@@ -3,8 +3,9 @@
 
 use std::marker::PhantomData;
 
+use super::dense::linear;
 use super::effort::Effort;
-use super::newton::{Equations, solve_pair};
+use super::newton::{Equations, newton, solve_pair};
 use crate::algebra::scalar::{Constant, Mask, Over, Rounded, Scalar};
 use crate::error::StepFailure;
 
@@ -22,10 +23,12 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
         x: [S; N],
     ) -> ([S; N], [[S; N]; N]);
 
-    /// See [`Scalar::newton`].
+    /// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start
+    /// other than zero may come from past steps.
     ///
     /// # Errors
-    /// The errors of [`Scalar::newton`].
+    /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
+    /// iteration whose corrections do not shrink fast. Of several paths, those without a solution have NaN instead, unless `CAREFUL`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn newton<S: Over<K>, K: Constant, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         given: Inputs<S, K, G, M, C, T>,
@@ -35,7 +38,7 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
             return Self::differentiate::<S, K, SYMMETRIC, GUESS, CAREFUL>(given, x);
         }
         let posed = Posed::<Self, S, K, G, M, C, T> { given, block: PhantomData };
-        S::newton::<N, SYMMETRIC, GUESS, CAREFUL>(x, posed)
+        newton::<S, N, SYMMETRIC, GUESS, CAREFUL>(x, posed)
     }
 
     /// [`Block::newton`] for numbers with derivatives: `r(x; z) = 0` is solved for the values alone, and
@@ -98,7 +101,7 @@ fn solve_linear<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: [S; N]) -> R
     {
         return Ok(x);
     }
-    S::linear(*matrix, b)
+    linear(*matrix, b)
 }
 
 /// A block with its inputs.

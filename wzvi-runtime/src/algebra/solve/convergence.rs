@@ -1,4 +1,4 @@
-//! When an iteration has converged: see [`Scalar::newton`](crate::algebra::scalar::Scalar::newton).
+//! When an iteration has converged: see `newton`.
 //!
 //! Relative corrections may be a nineteenth too large or too small ([`Scalar::nearly_relative_to`](crate::algebra::scalar::Scalar::nearly_relative_to)).
 

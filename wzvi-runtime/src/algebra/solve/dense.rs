@@ -3,6 +3,7 @@
 
 use std::ops::Mul;
 
+use super::lanes::{self, decides_by_lane};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::error::{ConfigError, StepFailure};
 
@@ -17,8 +18,19 @@ pub(super) const LARGEST_PIVOT: f64 = 1.0 / f64::EPSILON;
 ///
 /// # Errors
 /// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does; [`StepFailure::NonFinite`] where it is not finite.
+/// Of several paths, those where it is so have NaN instead.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn usable<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
+pub fn usable<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
+    if const { S::DERIVATIVES > 0 } {
+        let mut same = S::of_value(usable(pivot.value())?);
+        for number in 0..S::DERIVATIVES {
+            same.set_derivative(number, pivot.derivative(number));
+        }
+        return Ok(same);
+    }
+    if const { decides_by_lane::<S>() } {
+        return Ok(lanes::usable(pivot));
+    }
     let size = pivot.magnitude();
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot) } else { Err(unusable(size)) }
 }
@@ -36,16 +48,43 @@ fn unusable(pivot: f64) -> StepFailure {
     if pivot > 1.0 { singular(1.0, pivot) } else { singular(pivot, 1.0) }
 }
 
-/// See [`Scalar::linear`].
+/// `A⁻¹ b` for a matrix given by rows.
 ///
 /// # Errors
-/// The errors of [`Factor::new`].
+/// The errors of [`Factor::new`]. Of several paths, those without a solution have NaN instead.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn linear<S: Scalar, const N: usize>(
+pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
+    if const { S::DERIVATIVES > 0 } {
+        linear_with_derivatives(matrix, b)
+    } else if const { decides_by_lane::<S>() } {
+        Ok(lanes::general::<S, N, false>(&matrix, &b))
+    } else {
+        Ok(Factor::new(matrix)?.solve(b))
+    }
+}
+
+/// `x' = A⁻¹ (b' - A' x)`
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn linear_with_derivatives<S: Scalar, const N: usize>(
     matrix: [[S; N]; N],
     b: [S; N],
 ) -> Result<[S; N], StepFailure> {
-    Ok(Factor::new(matrix)?.solve(b))
+    let values = matrix.map(|row| row.map(S::value));
+    let solution = linear(values, b.map(S::value))?;
+    let mut x = solution.map(S::of_value);
+    for number in 0..S::DERIVATIVES {
+        let mut side = b.map(|b| b.derivative(number));
+        for i in 0..N {
+            for j in 0..N {
+                side[i] = side[i] - matrix[i][j].derivative(number) * solution[j];
+            }
+        }
+        let slopes = linear(values, side)?;
+        for i in 0..N {
+            x[i].set_derivative(number, slopes[i]);
+        }
+    }
+    Ok(x)
 }
 
 /// A matrix that cannot be factored once for all steps is an error of the configuration, not of a step.
@@ -293,6 +332,8 @@ pub(super) fn substitute_symmetric<S: Scalar, const N: usize>(l: &[[S; N]; N], m
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::algebra::lanes::Lanes;
+    use crate::algebra::scalar::Dual;
 
     fn pseudo_random(seed: &mut u64) -> f64 {
         *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -367,5 +408,23 @@ mod tests {
         assert!(matches!(SymmetricFactor::new(infinite), Err(StepFailure::NonFinite)));
         assert!(reciprocal_above_one(f64::INFINITY).is_nan() && reciprocal_above_one(1e17).is_nan());
         assert!(reciprocal_above_one(f64::NAN).is_nan());
+    }
+
+    /// `A x = b` and `A x' = b' - A' x` for two paths, of which the first has no solution.
+    #[test]
+    fn a_path_without_a_solution_leaves_the_other_and_its_derivative() {
+        type Number = Dual<1, Lanes<2>>;
+        let number =
+            |value, derivative| Number { value: Lanes::new(value), derivative: [Lanes::new(derivative)] };
+        let zero = number([0.0, 0.0], [0.0, 0.0]);
+        let matrix = [[number([0.0, 4.0], [1.0, 2.0]), zero], [zero, number([1.0, 1.0], [0.0, 0.0])]];
+        let [x, y] = linear(matrix, [number([1.0, 8.0], [1.0, 12.0]), zero]).unwrap();
+        // 4 x = 8 and 4 x' = 12 - 2 * 2, without rounding.
+        assert_eq!((x.value[1], x.derivative[0][1], y.value[1]), (2.0, 2.0, 0.0));
+        assert!(x.value[0].is_nan());
+        // The pivot 1 - c of one unknown.
+        let pivot = usable(matrix[0][0]).unwrap();
+        assert_eq!((pivot.value[1], pivot.derivative[0][1]), (4.0, 2.0));
+        assert!(pivot.value[0].is_nan());
     }
 }

@@ -11,39 +11,40 @@ use super::dense::{
 };
 use super::effort::Effort;
 use super::newton::{Equations, SAFE_DETERMINANT, UPRIGHT, beyond};
-use super::together;
-use crate::algebra::lanes::{LaneMask, Lanes};
-use crate::algebra::scalar::{Mask, Scalar, nearly_inverse};
-use crate::error::StepFailure;
+use crate::algebra::scalar::{Mask, Scalar};
 
-type Matrix<const L: usize, const N: usize> = [[Lanes<L>; N]; N];
+/// Whether each lane is solved for by itself.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) const fn decides_by_lane<S: Scalar>() -> bool {
+    S::IS_BESIDE && S::LANES > 1
+}
 
-fn poison<const L: usize>() -> Lanes<L> {
-    Lanes::from_f64(f64::NAN)
+fn poison<S: Scalar>() -> S {
+    S::from_f64(f64::NAN)
 }
 
 /// `a > b`
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
+fn exceeds<S: Scalar>(a: S, b: S) -> S::Mask {
     b.less(a)
 }
 
 /// `Convergence::glance`, by lane.
 #[derive(Clone, Copy)]
-struct Glances<const L: usize> {
-    curved: Lanes<L>,
+struct Glances<S: Scalar> {
+    curved: S,
     /// Infinite where a lane is done: numbers stay in vector registers from iteration to iteration where truths do not.
-    enough: Lanes<L>,
+    enough: S,
     iterations: u32,
     is_guess: bool,
 }
 
-impl<const L: usize> Glances<L> {
+impl<S: Scalar> Glances<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(is_guess: bool) -> Self {
         Self {
-            curved: Lanes::from_f64(if is_guess { GUIDED } else { f64::INFINITY }),
-            enough: Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING),
+            curved: S::from_f64(if is_guess { GUIDED } else { f64::INFINITY }),
+            enough: S::from_f64(ROUNDING * ROUNDING * ROUNDING),
             iterations: 0,
             is_guess,
         }
@@ -51,7 +52,7 @@ impl<const L: usize> Glances<L> {
 
     /// Notes the verdicts where they take no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take(&mut self, relative: Lanes<L>) -> bool {
+    fn take(&mut self, relative: S) -> bool {
         let square = relative * relative;
         // Of a lane that is done, too, unless what follows is not a number.
         let done = (square * relative).less_equal(self.enough);
@@ -60,7 +61,7 @@ impl<const L: usize> Glances<L> {
             self.iterations += 1;
             self.expect(done, square);
             if !self.is_guess && self.iterations == 1 {
-                self.curved = Lanes::from_f64(FIRST);
+                self.curved = S::from_f64(FIRST);
             }
         }
         is_enough
@@ -69,26 +70,26 @@ impl<const L: usize> Glances<L> {
     /// Quadratic convergence from corrections of this size, with their squares, of lanes that are not done. The squares are finite: no
     /// difference is smaller than a rounding of what it is taken from.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn expect(&mut self, done: LaneMask<L>, square: Lanes<L>) {
-        let whole = Lanes::from_f64(WHOLE);
-        let square = Lanes::select(exceeds(square, whole), whole, square);
+    fn expect(&mut self, done: S::Mask, square: S) {
+        let whole = S::from_f64(WHOLE);
+        let square = S::select(exceeds(square, whole), whole, square);
         self.curved = square * CURVATURE;
         let predicted = square * (UNSEEN * ROUNDING);
-        let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
-        let enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
-        self.enough = Lanes::select(done, Lanes::from_f64(f64::INFINITY), enough);
+        let floor = S::from_f64(ROUNDING * ROUNDING * ROUNDING);
+        let enough = S::select(exceeds(predicted, floor), predicted, floor);
+        self.enough = S::select(done, S::from_f64(f64::INFINITY), enough);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn done(&self) -> LaneMask<L> {
-        self.enough.equal(Lanes::from_f64(f64::INFINITY))
+    fn done(&self) -> S::Mask {
+        self.enough.equal(S::from_f64(f64::INFINITY))
     }
 
     /// The iteration of a lane, to be judged by itself from `x` on.
-    fn of_lane<const N: usize>(&self, lane: usize, x: &[Lanes<L>; N]) -> Convergence {
+    fn of_lane<const N: usize>(&self, lane: usize, x: &[S; N]) -> Convergence {
         let Self { curved, enough, iterations, is_guess } = *self;
-        let mut own = Convergence::resumed(iterations, curved[lane], enough[lane], is_guess);
-        if iterations == 0 && x.iter().all(|x| x[lane] == 0.0) {
+        let mut own = Convergence::resumed(iterations, curved.lane(lane), enough.lane(lane), is_guess);
+        if iterations == 0 && x.iter().all(|x| x.lane(lane) == 0.0) {
             own.claim_nothing();
         }
         own
@@ -97,9 +98,9 @@ impl<const L: usize> Glances<L> {
 
 /// `nearly_relative_to` of `f64`, by lane.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn ratio<const L: usize>(correction: Lanes<L>, unknown: Lanes<L>) -> Lanes<L> {
+fn ratio<S: Scalar>(correction: S, unknown: S) -> S {
     // One operation of all lanes after the other: compilers take the lanes of several at once apart.
-    (correction * unknown.map(nearly_inverse)).abs()
+    (correction * unknown.nearly_recip()).abs()
 }
 
 /// `newton::newton`, by lane.
@@ -107,14 +108,14 @@ fn ratio<const L: usize>(correction: Lanes<L>, unknown: Lanes<L>) -> Lanes<L> {
 /// The iteration ends: relative to the unknown, the second correction of a lane is at most an eighth, and each later one at most half of the one
 /// before, or the lane goes astray; 2^-52 is the last.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn iterate<const L: usize, const N: usize>(
-    start: [Lanes<L>; N],
+pub(super) fn iterate<S: Scalar, const N: usize>(
+    start: [S; N],
     is_guess: bool,
     is_symmetric: bool,
-    equations: impl Equations<Lanes<L>, N>,
-) -> ([Lanes<L>; N], Effort) {
+    equations: impl Equations<S, N>,
+) -> ([S; N], Effort) {
     let (mut x, mut convergence) = (start, Glances::new(is_guess));
-    let mut level = Lanes::from_f64(0.0);
+    let mut level = S::from_f64(0.0);
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let Some(correction) = safe_correction(&jacobian, &residual, is_symmetric) else { break };
@@ -123,9 +124,9 @@ pub(super) fn iterate<const L: usize, const N: usize>(
             break;
         }
         for i in 0..N {
-            x[i] = Lanes::select(done, x[i], moved[i]);
+            x[i] = S::select(done, x[i], moved[i]);
         }
-        level = Lanes::select(done, level, uprightness(&jacobian, is_symmetric));
+        level = S::select(done, level, uprightness(&jacobian, is_symmetric));
         if convergence.done().all() {
             return accepted(x, level, convergence.iterations);
         }
@@ -134,88 +135,97 @@ pub(super) fn iterate<const L: usize, const N: usize>(
     (x, Effort::fast(iterations))
 }
 
+/// The iteration of one lane.
+struct Path {
+    convergence: Convergence,
+    is_done: bool,
+    /// Whether it went astray.
+    is_lost: bool,
+}
+
 /// The iteration from `x` on, where a lane needs a pivot or a look at its residuals. A call by value, and the last thing that the caller does:
 /// its loop stays in vector registers.
 #[cold]
 #[inline(never)]
-fn resumed<const L: usize, const N: usize>(
-    mut x: [Lanes<L>; N],
-    mut level: Lanes<L>,
-    convergence: Glances<L>,
+fn resumed<S: Scalar, const N: usize>(
+    mut x: [S; N],
+    mut level: S,
+    convergence: Glances<S>,
     is_symmetric: bool,
-    equations: impl Equations<Lanes<L>, N>,
-) -> ([Lanes<L>; N], u32) {
-    let mut each: [Convergence; L] = std::array::from_fn(|lane| convergence.of_lane(lane, &x));
-    let (mut done, mut lost) = (convergence.done(), LaneMask::from_bool(false));
+    equations: impl Equations<S, N>,
+) -> ([S; N], u32) {
+    let done = convergence.done();
+    let mut paths = S::Mask::by_lane(|lane| Path {
+        convergence: convergence.of_lane(lane, &x),
+        is_done: done.lane(lane),
+        is_lost: false,
+    });
+    let paths = paths.as_mut();
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = correction(&jacobian, &residual, is_symmetric);
-        let (before, (moved, largest)) = (done, corrected_end(&x, &correction));
-        for lane in (0..L).filter(|&lane| !before.lane(lane)) {
-            let verdict = each[lane].judge(largest[lane], || {
-                let sizes = std::array::from_fn(|i| correction[i][lane].relative_to(moved[i][lane]));
+        let (moved, largest) = corrected_end(&x, &correction);
+        let before = S::Mask::of_lanes(|lane| paths[lane].is_done);
+        for lane in (0..S::LANES).filter(|&lane| !before.lane(lane)) {
+            let verdict = paths[lane].convergence.judge(largest.lane(lane), || {
+                let sizes =
+                    std::array::from_fn(|i| correction[i].lane(lane).relative_to(moved[i].lane(lane)));
                 beyond(equations.rounded(&x, lane), sizes)
             });
-            done.set(lane, !matches!(verdict, Verdict::Contracting));
-            lost.set(lane, matches!(verdict, Verdict::Straying));
+            paths[lane].is_done = !matches!(verdict, Verdict::Contracting);
+            paths[lane].is_lost = matches!(verdict, Verdict::Straying);
         }
+        let lost = S::Mask::of_lanes(|lane| paths[lane].is_lost);
         for i in 0..N {
-            x[i] = Lanes::select(before | lost, x[i], moved[i]);
+            x[i] = S::select(before | lost, x[i], moved[i]);
         }
-        level = Lanes::select(before | lost, level, uprightness(&jacobian, is_symmetric));
-        if done.all() {
-            let iterations = each.iter().map(|own| own.iterations).max().unwrap_or(0);
+        level = S::select(before | lost, level, uprightness(&jacobian, is_symmetric));
+        if paths.iter().all(|path| path.is_done) {
+            let iterations = paths.iter().map(|path| path.convergence.iterations).max().unwrap_or(0);
             let (x, effort) = accepted(x, level, iterations);
-            return (x.map(|x| Lanes::select(lost, poison(), x)), effort.iterations);
+            return (x.map(|x| S::select(lost, poison(), x)), effort.iterations);
         }
     }
 }
 
 /// `newton::corrected_end`, by lane.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn corrected_end<const L: usize, const N: usize>(
-    x: &[Lanes<L>; N],
-    correction: &[Lanes<L>; N],
-) -> ([Lanes<L>; N], Lanes<L>) {
-    let (mut moved, mut largest) = (*x, Lanes::from_f64(0.0));
+fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> ([S; N], S) {
+    let (mut moved, mut largest) = (*x, S::from_f64(0.0));
     for i in 0..N {
         moved[i] = x[i] - correction[i];
         let size = ratio(correction[i], moved[i]);
-        largest = if i == 0 { size } else { Lanes::select(exceeds(largest, size), largest, size) };
+        largest = if i == 0 { size } else { S::select(exceeds(largest, size), largest, size) };
     }
     (moved, largest)
 }
 
 /// The number that `newton::is_upright` compares with its bound.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn uprightness<const L: usize, const N: usize>(jacobian: &Matrix<L, N>, is_symmetric: bool) -> Lanes<L> {
-    if N == 1 || (N == 2 && is_symmetric) { jacobian[0][0] } else { Lanes::from_f64(1.0) }
+fn uprightness<S: Scalar, const N: usize>(jacobian: &[[S; N]; N], is_symmetric: bool) -> S {
+    if N == 1 || (N == 2 && is_symmetric) { jacobian[0][0] } else { S::from_f64(1.0) }
 }
 
 /// With an infinite slope the correction is zero, and a determinant far from that of an empty step belongs to another solution.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn accepted<const L: usize, const N: usize>(
-    mut x: [Lanes<L>; N],
-    level: Lanes<L>,
-    iterations: u32,
-) -> ([Lanes<L>; N], Effort) {
+fn accepted<S: Scalar, const N: usize>(mut x: [S; N], level: S, iterations: u32) -> ([S; N], Effort) {
     if N == 1 {
-        let is_upright = Lanes::from_f64(UPRIGHT).less_equal(level) & level.is_finite();
-        x[0] = Lanes::select(is_upright, x[0], poison());
+        let is_upright = S::from_f64(UPRIGHT).less_equal(level) & level.is_finite();
+        x[0] = S::select(is_upright, x[0], poison());
     } else if N == 2 {
-        let is_upright = Lanes::from_f64(0.0).less(level);
-        x = x.map(|x| Lanes::select(is_upright, x, poison()));
+        let is_upright = S::from_f64(0.0).less(level);
+        x = x.map(|x| S::select(is_upright, x, poison()));
     }
     (x, Effort::fast(iterations))
 }
 
 /// [`correction`], where no lane needs a pivot that others do not.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn safe_correction<const L: usize, const N: usize>(
-    matrix: &Matrix<L, N>,
-    b: &[Lanes<L>; N],
+fn safe_correction<S: Scalar, const N: usize>(
+    matrix: &[[S; N]; N],
+    b: &[S; N],
     is_symmetric: bool,
-) -> Option<[Lanes<L>; N]> {
+) -> Option<[S; N]> {
     if N != 2 {
         return Some(correction(matrix, b, is_symmetric));
     }
@@ -225,11 +235,11 @@ fn safe_correction<const L: usize, const N: usize>(
 
 /// Two unknowns by Cramer's rule, and where that is safe.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn of_pair<const L: usize, const N: usize>(
-    matrix: &Matrix<L, N>,
-    b: &[Lanes<L>; N],
+fn of_pair<S: Scalar, const N: usize>(
+    matrix: &[[S; N]; N],
+    b: &[S; N],
     is_symmetric: bool,
-) -> ([Lanes<L>; N], LaneMask<L>) {
+) -> ([S; N], S::Mask) {
     let m01 = if is_symmetric { matrix[1][0] } else { matrix[0][1] };
     let (m00, m10, m11) = (matrix[0][0], matrix[1][0], matrix[1][1]);
     let (main, cross) = (m00 * m11, m01 * m10);
@@ -244,16 +254,16 @@ fn of_pair<const L: usize, const N: usize>(
 
 /// `A⁻¹ b` as the generic solvers have it: Cramer's rule for two unknowns where it is safe, else by elimination.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn correction<const L: usize, const N: usize>(
-    matrix: &Matrix<L, N>,
-    b: &[Lanes<L>; N],
+pub(super) fn correction<S: Scalar, const N: usize>(
+    matrix: &[[S; N]; N],
+    b: &[S; N],
     is_symmetric: bool,
-) -> [Lanes<L>; N] {
+) -> [S; N] {
     if N == 1 {
         return b.map(|b| b / matrix[0][0]);
     }
     if N != 2 {
-        return if is_symmetric { symmetric(matrix, b) } else { general::<L, N, true>(matrix, b) };
+        return if is_symmetric { symmetric(matrix, b) } else { general::<S, N, true>(matrix, b) };
     }
     let (mut solution, is_safe) = of_pair(matrix, b, is_symmetric);
     if !is_safe.all() {
@@ -263,7 +273,7 @@ pub(super) fn correction<const L: usize, const N: usize>(
         }
         let other = rarely(&full, b, is_symmetric);
         for i in 0..N {
-            solution[i] = Lanes::select(is_safe, solution[i], other[i]);
+            solution[i] = S::select(is_safe, solution[i], other[i]);
         }
     }
     solution
@@ -272,36 +282,32 @@ pub(super) fn correction<const L: usize, const N: usize>(
 /// Out of the way of the common one.
 #[cold]
 #[inline(never)]
-fn rarely<const L: usize, const N: usize>(
-    matrix: &Matrix<L, N>,
-    b: &[Lanes<L>; N],
-    is_symmetric: bool,
-) -> [Lanes<L>; N] {
-    if is_symmetric { symmetric(matrix, b) } else { general::<L, N, true>(matrix, b) }
+fn rarely<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: &[S; N], is_symmetric: bool) -> [S; N] {
+    if is_symmetric { symmetric(matrix, b) } else { general::<S, N, true>(matrix, b) }
 }
 
 /// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection. `UPRIGHT`: of a positive
 /// determinant, else NaN.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn general<const L: usize, const N: usize, const UPRIGHT: bool>(
-    matrix: &Matrix<L, N>,
-    b: &[Lanes<L>; N],
-) -> [Lanes<L>; N] {
+pub(crate) fn general<S: Scalar, const N: usize, const UPRIGHT: bool>(
+    matrix: &[[S; N]; N],
+    b: &[S; N],
+) -> [S; N] {
     let (mut a, mut x) = (*matrix, *b);
-    let mut usable = LaneMask::from_bool(true);
-    let mut sign = Lanes::from_f64(1.0);
+    let mut usable = S::Mask::from_bool(true);
+    let mut sign = S::from_f64(1.0);
     for k in 0..N {
-        let zero = Lanes::from_f64(0.0);
-        let (mut entry, mut through, mut own) = (a[k][k].abs(), a[k][k].abs(), Lanes::from_f64(1.0));
-        let mut chosen = [LaneMask::from_bool(false); N];
+        let zero = S::from_f64(0.0);
+        let (mut entry, mut through, mut own) = (a[k][k].abs(), a[k][k].abs(), S::from_f64(1.0));
+        let mut chosen = [S::Mask::from_bool(false); N];
         for i in k + 1..N {
             let (next, next_own) = (a[i][k].abs(), a[i][i].abs());
             let next_through = next * a[k][i].abs();
             let better =
                 exceeds(next_through * own, through * next_own) | (entry.equal(zero) & zero.less(next));
-            entry = Lanes::select(better, next, entry);
-            through = Lanes::select(better, next_through, through);
-            own = Lanes::select(better, next_own, own);
+            entry = S::select(better, next, entry);
+            through = S::select(better, next_through, through);
+            own = S::select(better, next_own, own);
             for earlier in &mut chosen[..i] {
                 *earlier = *earlier & !better;
             }
@@ -313,35 +319,35 @@ pub(crate) fn general<const L: usize, const N: usize, const UPRIGHT: bool>(
             }
             (x[k], x[i]) = swapped(chosen[i], x[k], x[i]);
             if UPRIGHT {
-                sign = Lanes::select(chosen[i], -sign, sign);
+                sign = S::select(chosen[i], -sign, sign);
             }
         }
         let taken = (0..k).fold(zero, |sum, i| sum + a[k][i].abs() * a[i][k].abs());
         usable = usable & exceeds(a[k][k].abs(), taken * PIVOT_ULPS) & a[k][k].is_finite();
         if UPRIGHT {
-            sign = Lanes::select(a[k][k].less(Lanes::from_f64(0.0)), -sign, sign);
+            sign = S::select(a[k][k].less(S::from_f64(0.0)), -sign, sign);
         }
         eliminate(&mut a, k);
     }
     if UPRIGHT {
-        usable = usable & Lanes::from_f64(0.0).less(sign);
+        usable = usable & S::from_f64(0.0).less(sign);
     }
-    substitute(&a, x).map(|x| Lanes::select(usable, x, poison()))
+    substitute(&a, x).map(|x| S::select(usable, x, poison()))
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn swapped<const L: usize>(mask: LaneMask<L>, a: Lanes<L>, b: Lanes<L>) -> (Lanes<L>, Lanes<L>) {
-    (Lanes::select(mask, b, a), Lanes::select(mask, a, b))
+fn swapped<S: Scalar>(mask: S::Mask, a: S, b: S) -> (S, S) {
+    (S::select(mask, b, a), S::select(mask, a, b))
 }
 
 /// [`super::SymmetricFactor`], by lane; NaN where it is not definite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L>; N]) -> [Lanes<L>; N] {
+fn symmetric<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: &[S; N]) -> [S; N] {
     let mut l = *matrix;
-    let (mut stable, mut definite) = (LaneMask::from_bool(true), LaneMask::from_bool(true));
+    let (mut stable, mut definite) = (S::Mask::from_bool(true), S::Mask::from_bool(true));
     for k in 0..N {
         let pivot = l[k][k];
-        definite = definite & Lanes::from_f64(0.0).less(pivot);
+        definite = definite & S::from_f64(0.0).less(pivot);
         stable = stable & exceeds(pivot, matrix[k][k].abs() * STABLE_PIVOT);
         eliminate_symmetric(&mut l, k);
     }
@@ -350,7 +356,7 @@ fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L
         let full = std::array::from_fn(|i: usize| std::array::from_fn(|j: usize| matrix[i.max(j)][i.min(j)]));
         let other = rarely(&full, b, false);
         for i in 0..N {
-            x[i] = Lanes::select(stable, x[i], Lanes::select(definite, other[i], poison()));
+            x[i] = S::select(stable, x[i], S::select(definite, other[i], poison()));
         }
     }
     x
@@ -358,31 +364,8 @@ fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L
 
 /// The pivot where it is usable, else NaN.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn usable<const L: usize>(pivot: Lanes<L>) -> Lanes<L> {
+pub(crate) fn usable<S: Scalar>(pivot: S) -> S {
     let size = pivot.abs();
-    let is_usable = exceeds(size, Lanes::from_f64(PIVOT_ULPS)) & size.less(Lanes::from_f64(LARGEST_PIVOT));
-    Lanes::select(is_usable, pivot, poison())
-}
-
-/// Every lane by itself; the careful method, and a single lane, use the code for one number.
-///
-/// # Errors
-/// The errors of the careful method, and of a single lane; other lanes have NaN.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn newton<
-    const L: usize,
-    const N: usize,
-    const SYMMETRIC: bool,
-    const GUESS: bool,
-    const CAREFUL: bool,
->(
-    x: &mut [Lanes<L>; N],
-    equations: impl Equations<Lanes<L>, N>,
-) -> Result<Effort, StepFailure> {
-    if CAREFUL || L == 1 {
-        return together::newton::<_, N, SYMMETRIC, GUESS, CAREFUL>(x, equations);
-    }
-    let (end, effort) = iterate(*x, GUESS, SYMMETRIC, equations);
-    *x = end;
-    Ok(effort)
+    let is_usable = exceeds(size, S::from_f64(PIVOT_ULPS)) & size.less(S::from_f64(LARGEST_PIVOT));
+    S::select(is_usable, pivot, poison())
 }

@@ -23,6 +23,7 @@ use super::convergence::{Convergence, Verdict};
 use super::damped::{Dense, Room, damped};
 use super::dense::{Factor, SymmetricFactor, is_definite};
 use super::effort::Effort;
+use super::lanes::{self, decides_by_lane};
 use crate::algebra::scalar::{Mask, Rounded, Scalar, larger};
 use crate::error::StepFailure;
 
@@ -89,7 +90,7 @@ fn relatives<S: Scalar, const N: usize>(correction: &[S; N], unknowns: &[S; N]) 
 ///
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
-/// iteration whose corrections do not shrink fast.
+/// iteration whose corrections do not shrink fast. Of several paths, those without a solution have NaN instead, unless `CAREFUL`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn newton<
     S: Scalar,
@@ -105,6 +106,11 @@ pub(crate) fn newton<
         let mut room = Room::of(x);
         let effort = damped(&mut Dense::<_, S, N, SYMMETRIC>::new(equations), &mut room, x)?;
         *x = *room.solution();
+        return Ok(effort);
+    }
+    if const { decides_by_lane::<S>() } {
+        let (end, effort) = lanes::iterate(*x, GUESS, SYMMETRIC, equations);
+        *x = end;
         return Ok(effort);
     }
     let mut convergence = Convergence::new(GUESS);
@@ -456,7 +462,7 @@ mod tests {
         ];
         for (c, k) in sizes.iter().flat_map(|&c| [(c, 0.0), (c, 1e-9), (c, 0.5), (c, 0.999)]) {
             let mut x = [Lanes::<2>::from_f64(0.0)];
-            let lanes = <Lanes<2> as Scalar>::newton::<1, false, false, false>(
+            let lanes = newton::<Lanes<2>, 1, false, false, false>(
                 &mut x,
                 parabola(Lanes::new([c, 1.0]), Lanes::new([k, 0.999])),
             );
