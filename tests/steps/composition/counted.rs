@@ -94,9 +94,6 @@ impl Scalar for Counted {
     fn lane(self, _: usize) -> f64 {
         self.0
     }
-    fn relative_to(self, other: Self) -> f64 {
-        self.0.relative_to(other.0)
-    }
     fn is_identical(self, other: Self) -> bool {
         self.0.is_identical(other.0)
     }

@@ -54,16 +54,6 @@ impl<const L: usize> Lanes<L> {
         self.0[lane] = number;
     }
 
-    /// Of all lanes.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn largest_of(self, other: Self, f: impl Fn(f64, f64) -> f64) -> f64 {
-        let mut largest = f(self.0[0], other.0[0]);
-        for i in 1..L {
-            largest = larger(largest, f(self.0[i], other.0[i]));
-        }
-        largest
-    }
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self(each(|i| f(self.0[i])))
@@ -277,14 +267,6 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {
         self.0[1..].iter().fold(self.0[0].abs(), |largest, x| larger(largest, x.abs()))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn relative_to(self, other: Self) -> f64 {
-        self.largest_of(other, f64::relative_to)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn nearly_relative_to(self, other: Self) -> f64 {
-        self.largest_of(other, f64::nearly_relative_to)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {

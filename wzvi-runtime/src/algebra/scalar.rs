@@ -139,15 +139,6 @@ pub trait Scalar:
     fn infinitesimal(self) -> Self {
         self - Self::of_value(self.value())
     }
-    /// How large the number is against `|other|`, part by part (value, derivatives, lanes): the largest ratio, 0 for a part
-    /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to the divisor: a number that is nearest to
-    /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.
-    fn relative_to(self, other: Self) -> f64;
-    /// The same without a division: within a nineteenth, and not finite where that is larger than all numbers.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn nearly_relative_to(self, other: Self) -> f64 {
-        self.relative_to(other)
-    }
     /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; `f64::MAX` for larger quotients and
     /// for NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -300,14 +291,6 @@ macro_rules! forward {
     ($($function:ident)*) => { $(#[cfg_attr(not(debug_assertions), inline(always))] fn $function(self) -> Self { f64::$function(self) })* };
 }
 
-/// `1 / size` within a nineteenth: the bits of a number are nearly its logarithm. At most `1.9 / f64::MIN_POSITIVE`, for zero; and no number for
-/// sizes above `8.5e307`.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn nearly_inverse(size: f64) -> f64 {
-    const TWICE_ONE: u64 = 0x7fde_6238_22fc_16e6;
-    f64::from_bits(TWICE_ONE.wrapping_sub(size.to_bits()))
-}
-
 impl Scalar for f64 {
     type Mask = bool;
     type Constant = Self;
@@ -353,18 +336,10 @@ impl Scalar for f64 {
     fn lane(self, _lane: usize) -> f64 {
         self
     }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn relative_to(self, other: Self) -> f64 {
-        self.abs() / (other.abs() + f64::MIN_POSITIVE)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn nearly_relative_to(self, other: Self) -> f64 {
-        (self * nearly_inverse(other)).abs()
-    }
     /// The minimum is one instruction, but not the minimum with infinity, for which compilers emit a test of bits.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
-        let relative = (self * nearly_inverse(size)).abs();
+        let relative = (self * size.nearly_recip()).abs();
         if relative < Self::MAX { relative } else { Self::MAX }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -405,9 +380,11 @@ impl Scalar for f64 {
 
     forward!(recip sqrt cbrt exp exp2 exp_m1 ln ln_1p log2 log10 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh abs signum);
 
+    /// The bits of a number are nearly its logarithm. At most `1.9 / f64::MIN_POSITIVE`, for zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_recip(self) -> Self {
-        nearly_inverse(self)
+        const TWICE_ONE: u64 = 0x7fde_6238_22fc_16e6;
+        Self::from_bits(TWICE_ONE.wrapping_sub(self.to_bits()))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sin_cos(self) -> (Self, Self) {
@@ -447,37 +424,4 @@ impl Scalar for f64 {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Between two powers of two the error does not depend on the power.
-    #[test]
-    fn sizes_are_nearly_right() {
-        let mantissas = || (0..=1000).map(|k| 1.0 + f64::from(k) / 1000.0);
-        for power in [-900, -500, -1, 0, 1, 500, 1000, 1020] {
-            for mantissa in mantissas() {
-                let size = mantissa * 2f64.powi(power);
-                for number in [size, -0.3 * size, 1e-16 * size] {
-                    let (near, exact) = (number.nearly_relative_to(-size), number.abs() / size);
-                    assert!((near - exact).abs() <= exact / 19.0, "{number:e} {size:e}");
-                    assert_eq!(near.to_bits(), number.nearly_over(size).to_bits());
-                }
-            }
-        }
-    }
-
-    /// Where numbers have fewer digits, roundings are of one size, and so are errors of two and a half.
-    #[test]
-    fn what_is_subnormal_is_small() {
-        for size in (0..52).map(|power| f64::from_bits(1 << power)) {
-            let (near, exact) = (5e-324_f64.nearly_relative_to(size), 5e-324_f64.relative_to(size));
-            assert!(near > 0.0 && near <= 2.5 * exact, "{size:e}: {near:e} {exact:e}");
-        }
-        assert_eq!(0.0_f64.nearly_relative_to(0.0), 0.0);
-        assert!(!f64::INFINITY.nearly_relative_to(f64::INFINITY).is_finite());
-        assert!(!f64::NAN.nearly_relative_to(1.0).is_finite());
-    }
 }

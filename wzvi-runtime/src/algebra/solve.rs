@@ -22,6 +22,7 @@ mod sparse;
 
 pub use banded::Banded;
 pub use block::{Block, Inputs};
+pub use convergence::relative_to;
 pub(crate) use damped::{Problem, Room, damped};
 pub use dense::{Factor, SymmetricFactor, linear, prepared, reciprocal_above_one, usable};
 pub use effort::{Doubt, Effort};

@@ -196,14 +196,6 @@ impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
         self.0
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn relative_to(self, other: Self) -> f64 {
-        self.0.relative_to(other.0)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn nearly_relative_to(self, other: Self) -> f64 {
-        self.0.nearly_relative_to(other.0)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_recip(self) -> Self {
         Self(self.0.nearly_recip())
     }

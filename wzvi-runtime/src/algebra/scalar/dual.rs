@@ -202,11 +202,6 @@ impl<const N: usize, S: Scalar> Div<f64> for Dual<N, S> {
     }
 }
 
-/// The largest component, part by part.
-fn norm<S: Scalar>(components: &[S]) -> S {
-    components.iter().fold(S::from_f64(0.0), |largest, &x| x.larger(largest))
-}
-
 impl<const N: usize, S: Scalar> Numbers for Dual<N, S> {
     fn pass(&mut self, tape: &mut Tape) {
         self.value.pass(tape);
@@ -236,12 +231,6 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {
         self.value.magnitude()
-    }
-    /// The value against the values, the gradient against the gradients (in the largest norm).
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn relative_to(self, other: Self) -> f64 {
-        let of_gradient = norm(&self.derivative).relative_to(norm(&other.derivative));
-        self.value.relative_to(other.value).larger(of_gradient)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vanishes(self) -> S::Mask {

@@ -157,9 +157,6 @@ impl Scalar for Rounded {
     fn magnitude(self) -> f64 {
         self.value.abs()
     }
-    fn relative_to(self, other: Self) -> f64 {
-        self.value.relative_to(other.value)
-    }
     fn is_identical(self, other: Self) -> bool {
         self.value.is_identical(other.value) && self.error.is_identical(other.error)
     }

@@ -1,6 +1,8 @@
 //! When an iteration has converged: see `newton`.
 //!
-//! Relative corrections may be a nineteenth too large or too small ([`Scalar::nearly_relative_to`](crate::algebra::scalar::Scalar::nearly_relative_to)).
+//! Relative corrections may be a nineteenth too large or too small ([`Scalar::nearly_recip`]).
+
+use crate::algebra::scalar::{Scalar, larger};
 
 /// Corrections below this fraction of an unknown change nothing.
 pub(super) const ROUNDING: f64 = f64::EPSILON;
@@ -25,6 +27,31 @@ pub(super) const NEAR: f64 = 1.0 / 4096.0;
 /// The largest square of a correction that predicts the next one: that of the whole step. A correction is larger where it leaves an unknown near zero, which
 /// says nothing about the others.
 pub(super) const WHOLE: f64 = 1.0;
+
+/// How large a number is against `|other|`, part by part (value, derivatives, lanes): the largest ratio, 0 for a part that vanishes; NaN if any part is.
+/// `f64::MIN_POSITIVE` is added to the divisor: a number that is nearest to another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or
+/// not. Derivatives are compared as a gradient, by the largest.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn relative_to<S: Scalar>(number: S, other: S) -> f64 {
+    if const { S::DERIVATIVES > 0 } {
+        let of_values = relative_to(number.value(), other.value());
+        return larger(of_values, relative_to(largest_derivative(number), largest_derivative(other)));
+    }
+    let of_lane = |lane| number.lane(lane).abs() / (other.lane(lane).abs() + f64::MIN_POSITIVE);
+    (1..S::LANES).fold(of_lane(0), |most, lane| larger(most, of_lane(lane)))
+}
+
+fn largest_derivative<S: Scalar>(number: S) -> S::Value {
+    let zero = S::Value::from_f64(0.0);
+    (0..S::DERIVATIVES).fold(zero, |largest, part| number.derivative(part).larger(largest))
+}
+
+/// `|correction| / |unknown|` within a nineteenth, by lane; not finite where that is larger than all numbers.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn nearly_relative<S: Scalar>(correction: S, unknown: S) -> S {
+    // One operation of all lanes after the other: compilers take the lanes of several at once apart.
+    (correction * unknown.nearly_recip()).abs()
+}
 
 /// The square of a correction, as far as it predicts the next one.
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -192,5 +219,33 @@ mod tests {
         let mut convergence = Convergence::new(false);
         convergence.begin(1.0);
         assert!(matches!(convergence.judge(1e307, || 1e306), Verdict::Straying));
+    }
+
+    /// Between two powers of two the error does not depend on the power.
+    #[test]
+    fn sizes_are_nearly_right() {
+        let mantissas = || (0..=1000).map(|k| 1.0 + f64::from(k) / 1000.0);
+        for power in [-900, -500, -1, 0, 1, 500, 1000, 1020] {
+            for mantissa in mantissas() {
+                let size = mantissa * 2f64.powi(power);
+                for number in [size, -0.3 * size, 1e-16 * size] {
+                    let (near, exact) = (nearly_relative(number, -size), number.abs() / size);
+                    assert!((near - exact).abs() <= exact / 19.0, "{number:e} {size:e}");
+                    assert_eq!(near.to_bits(), number.nearly_over(size).to_bits());
+                }
+            }
+        }
+    }
+
+    /// Where numbers have fewer digits, roundings are of one size, and so are errors of two and a half.
+    #[test]
+    fn what_is_subnormal_is_small() {
+        for size in (0..52).map(|power| f64::from_bits(1 << power)) {
+            let (near, exact) = (nearly_relative(5e-324, size), relative_to(5e-324, size));
+            assert!(near > 0.0 && near <= 2.5 * exact, "{size:e}: {near:e} {exact:e}");
+        }
+        assert_eq!(nearly_relative(0.0, 0.0), 0.0);
+        assert!(!nearly_relative(f64::INFINITY, f64::INFINITY).is_finite());
+        assert!(!nearly_relative(f64::NAN, 1.0).is_finite());
     }
 }

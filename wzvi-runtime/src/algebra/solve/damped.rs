@@ -17,7 +17,7 @@
 //! `(1 - λ) s(0)` for linear equations and needs no units. Equations that are the gradient of a convex function have one solution, and `s` has about
 //! the sign of the slope of that function.
 
-use super::convergence::{Convergence, Verdict};
+use super::convergence::{Convergence, Verdict, relative_to};
 use super::dense::{Factor, is_definite};
 use super::effort::{Doubt, Effort};
 use super::newton::{Equations, astray};
@@ -413,8 +413,8 @@ fn shrinks<S: Scalar>(x: &[S], correction: &[S], next: &[S], to: f64, are_settle
     for k in unsettled(x.len(), are_settled) {
         let taken = correction[k].magnitude();
         let size = x[k].magnitude() + taken;
-        left = larger(left, next[k].magnitude().relative_to(size));
-        own = larger(own, taken.relative_to(size));
+        left = larger(left, relative_to(next[k].magnitude(), size));
+        own = larger(own, relative_to(taken, size));
     }
     left <= to * own
 }
@@ -425,8 +425,8 @@ fn leads_back<S: Scalar>(from: &[S], to: &[S], back: &[S], are_settled: &[bool])
     for k in unsettled(from.len(), are_settled) {
         let own = from[k] - to[k];
         let size = from[k].magnitude() + own.magnitude().max(back[k].magnitude());
-        left = larger(left, (back[k] - own).magnitude().relative_to(size));
-        way = larger(way, own.magnitude().relative_to(size));
+        left = larger(left, relative_to((back[k] - own).magnitude(), size));
+        way = larger(way, relative_to(own.magnitude(), size));
     }
     left <= RETURN * way
 }
@@ -455,7 +455,7 @@ fn is_about<S: Scalar>(corrections: &[S], residuals: &[S]) -> bool {
 fn largest<S: Scalar>(correction: &[S], x: &[S], are_settled: &[bool]) -> f64 {
     let mut most = 0.0;
     for k in unsettled(x.len(), are_settled) {
-        most = larger(most, correction[k].relative_to(x[k]));
+        most = larger(most, relative_to(correction[k], x[k]));
     }
     most
 }

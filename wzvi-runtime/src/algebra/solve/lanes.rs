@@ -5,7 +5,9 @@
 //! finds, gets NaN, which marks it at the end of the step; the caller then takes its step alone.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
-use super::convergence::{CURVATURE, Convergence, FIRST, GUIDED, ROUNDING, UNSEEN, Verdict, WHOLE};
+use super::convergence::{
+    CURVATURE, Convergence, FIRST, GUIDED, ROUNDING, UNSEEN, Verdict, WHOLE, nearly_relative, relative_to,
+};
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
@@ -96,13 +98,6 @@ impl<S: Scalar> Glances<S> {
     }
 }
 
-/// `nearly_relative_to` of `f64`, by lane.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn ratio<S: Scalar>(correction: S, unknown: S) -> S {
-    // One operation of all lanes after the other: compilers take the lanes of several at once apart.
-    (correction * unknown.nearly_recip()).abs()
-}
-
 /// `newton::newton`, by lane.
 ///
 /// The iteration ends: relative to the unknown, the second correction of a lane is at most an eighth, and each later one at most half of the one
@@ -169,7 +164,7 @@ fn resumed<S: Scalar, const N: usize>(
         for lane in (0..S::LANES).filter(|&lane| !before.lane(lane)) {
             let verdict = paths[lane].convergence.judge(largest.lane(lane), || {
                 let sizes =
-                    std::array::from_fn(|i| correction[i].lane(lane).relative_to(moved[i].lane(lane)));
+                    std::array::from_fn(|i| relative_to(correction[i].lane(lane), moved[i].lane(lane)));
                 beyond(equations.rounded(&x, lane), sizes)
             });
             paths[lane].is_done = !matches!(verdict, Verdict::Contracting);
@@ -194,7 +189,7 @@ fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> 
     let (mut moved, mut largest) = (*x, S::from_f64(0.0));
     for i in 0..N {
         moved[i] = x[i] - correction[i];
-        let size = ratio(correction[i], moved[i]);
+        let size = nearly_relative(correction[i], moved[i]);
         largest = if i == 0 { size } else { S::select(exceeds(largest, size), largest, size) };
     }
     (moved, largest)

@@ -19,7 +19,7 @@
 //! The Jacobian of an empty step is the identity, whatever the units are, and it is singular where two branches of solutions meet. On the branch
 //! that continues the state its determinant is positive, and it is definite where it is symmetric. For one unknown it must be above one half.
 
-use super::convergence::{Convergence, Verdict};
+use super::convergence::{Convergence, Verdict, nearly_relative, relative_to};
 use super::damped::{Dense, Room, damped};
 use super::dense::{Factor, SymmetricFactor, is_definite};
 use super::effort::Effort;
@@ -73,16 +73,10 @@ pub(crate) fn astray(iterations: u32, correction: f64) -> StepFailure {
     }
 }
 
-/// `|correction| / |unknown|`, 0 for no correction.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
-    correction.relative_to(unknown)
-}
-
-/// The same of each unknown.
+/// `|correction| / |unknown|` of each unknown, 0 for no correction.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn relatives<S: Scalar, const N: usize>(correction: &[S; N], unknowns: &[S; N]) -> [f64; N] {
-    std::array::from_fn(|i| relative(correction[i], unknowns[i]))
+    std::array::from_fn(|i| relative_to(correction[i], unknowns[i]))
 }
 
 /// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
@@ -197,7 +191,7 @@ fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> 
     let (mut end, mut largest) = (*x, 0.0_f64);
     for i in 0..N {
         end[i] = x[i] - correction[i];
-        let size = correction[i].nearly_relative_to(end[i]);
+        let size = nearly_relative(correction[i], end[i]).magnitude();
         largest = if i > 0 && largest > size { largest } else { size };
     }
     (end, largest)

@@ -1,6 +1,7 @@
 //! Small symmetric matrices of numbers of any type, row-major, without allocation.
 
 use crate::algebra::scalar::{Mask as _, Scalar};
+use crate::algebra::solve::relative_to;
 
 /// The most sweeps of rotations, more than enough: convergence is quadratic from the third on.
 const MOST_SWEEPS: usize = 30;
@@ -45,7 +46,7 @@ pub(super) fn diagonalise<S: Scalar>(a: &mut [S], v: &mut [S], d: usize) {
             }
         }
         // The remaining off-diagonal part changes no digit of an eigenvalue or eigenvector.
-        if beside.relative_to(largest) <= f64::EPSILON * f64::EPSILON {
+        if relative_to(beside, largest) <= f64::EPSILON * f64::EPSILON {
             break;
         }
         for j in 0..d {

@@ -3,6 +3,7 @@
 use super::Unknowns;
 use super::side_by_side::{is_side_by_side, subtract_side_by_side};
 use crate::algebra::scalar::{Mask, Scalar};
+use crate::algebra::solve::relative_to;
 
 /// `x -= correction`; returns the largest correction relative to the largest unknown of its kind, NaN if a correction is not finite: of all
 /// parts of the numbers, or of each path side by side.
@@ -43,15 +44,15 @@ fn relate<S: Scalar>(kind: Unknowns, x: &[S], correction: &[S], [sizes, changes]
     if !changes.iter().all(|change| change.is_finite()) {
         return f64::NAN;
     }
-    let mut relative = changes[0].relative_to(sizes[0]);
+    let mut relative = relative_to(changes[0], sizes[0]);
     if kind == Unknowns::Both {
-        relative = relative.max(changes[1].relative_to(sizes[1]));
+        relative = relative.max(relative_to(changes[1], sizes[1]));
     }
     if size_of::<S>() != size_of::<f64>() {
         // Numbers that carry derivatives or lanes must converge in every part.
         for (k, (&x, &c)) in x.iter().zip(correction).enumerate() {
-            if c.magnitude() != 0.0 || !(c.relative_to(x) == 0.0) {
-                let part = c.relative_to(x.abs() + sizes[k % 2]);
+            if c.magnitude() != 0.0 || !(relative_to(c, x) == 0.0) {
+                let part = relative_to(c, x.abs() + sizes[k % 2]);
                 relative = if part > relative || part.is_nan() { part } else { relative };
             }
         }

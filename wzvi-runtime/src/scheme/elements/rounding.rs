@@ -8,6 +8,7 @@ use super::memory::{Lists, Work};
 use super::passes::largest;
 use super::step::Step;
 use crate::algebra::scalar::{Rounded, Scalar, larger};
+use crate::algebra::solve::relative_to;
 
 /// The state and the scratch of the step; allocated at the first use.
 #[derive(Debug, Default)]
@@ -71,7 +72,7 @@ fn beyond<S: Scalar>(sizes: [f64; 2], correction: &[S], residual: &[Rounded]) ->
     left.fold(0.0, |most, (k, (correction, residual))| {
         let taken = correction.magnitude();
         let size = if taken == 0.0 { residual.magnitude() } else { taken };
-        larger(most, size.relative_to(sizes[k % 2]))
+        larger(most, relative_to(size, sizes[k % 2]))
     })
 }
 
@@ -83,5 +84,5 @@ pub(super) fn variation<S: Scalar>(x: &[S], correction: &[S]) -> f64 {
     correction
         .iter()
         .zip(x)
-        .fold(0.0, |most, (&c, &x)| larger(most, derivative(c).relative_to(derivative(x))))
+        .fold(0.0, |most, (&c, &x)| larger(most, relative_to(derivative(c), derivative(x))))
 }

@@ -25,6 +25,7 @@ use super::portions::{Found, Part, Portion, on_threads};
 use super::sums::{Stretch, Window};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::{Number, Scalar};
+use crate::algebra::solve::relative_to;
 use crate::algebra::threads::Threads;
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::elements::change::{Change, Seen};
@@ -184,7 +185,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         (sweeps.is_ready, sweeps.is_finite) = (true, found.is_finite);
         let relative = match found.change {
             Change::Unknown => f64::NAN,
-            _ => found.corrected.relative_to(found.size),
+            _ => relative_to(found.corrected, found.size),
         };
         Some(Swept { relative: S::from_f64(relative), change: Some(found.change) })
     }
