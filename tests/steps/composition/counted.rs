@@ -71,6 +71,14 @@ impl Scalar for Counted {
     type Constant = f64;
     type Stages<const N: usize> = [Self; N];
     type OfElements<T: wzvi::scalar::Number<f64>> = Self;
+    type Value = Self;
+
+    fn value(self) -> Self {
+        self
+    }
+    fn of_value(value: Self) -> Self {
+        value
+    }
 
     fn sin(self) -> Self {
         SINES.set(SINES.get() + 1);
