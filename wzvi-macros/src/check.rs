@@ -1,13 +1,13 @@
 //! Refuses what the mathematics contradicts: inconsistent bare schemes, declared first integrals that are not
 //! conserved, drifts and words without flows.
 //!
-//! Every refusal of the compiler is a row of a table in `diagnostics`: `messages` about declarations, which `input`
-//! reports; `expressions` about Rust that `lower` and `collect` cannot make terms of; `ito` about the conversion; and
-//! `facts` about the mathematics. The last are reported here, but for those of friction and temperature, which
-//! `passes/friction.rs` checks before friction becomes a force.
+//! Every refusal of the compiler is a row of a table in `diagnostics`: `messages` about declarations, which
+//! `input` reports; `expressions` about Rust that `lower` and `collect` cannot make terms of; `ito` about the
+//! conversion; and `facts` about the mathematics. The last are reported here, but for those of friction and
+//! temperature, which `passes/friction.rs` checks before friction becomes a force.
 
 use crate::diagnostics::{Diagnostics, Located, facts as messages};
-use crate::discretise::{Facts, Failure, Flows, Invariant, Judged, split};
+use crate::discretise::{Facts, Failure, Flows, Invariant, KnownSum, split};
 use crate::embedding::{Correction, Embedding};
 use crate::model::System;
 use crate::symbolic::{Graph, Rational};
@@ -21,8 +21,8 @@ pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagno
     check_flows(system, facts, diagnostics);
 }
 
-/// A bare scheme must converge to the Stratonovich system, for which `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p` must be constant; a
-/// corrected one needs its counter-term.
+/// A bare scheme must converge to the Stratonovich system, for which `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`
+/// must be constant; a corrected one needs its counter-term.
 fn check_consistency(
     graph: &mut Graph,
     embeddings: &[Located<Embedding>],
@@ -33,16 +33,16 @@ fn check_consistency(
         let [_, noise_l] = scheme.means();
         let error = match scheme.correction() {
             Correction::Bare if !facts.is_consistent(noise_l) => {
-                let defect = facts.defect(graph, &facts.half_defect, noise_l);
+                let defect = facts.defect(graph, &facts.noise_contraction, noise_l);
                 if facts.force_defect_acts(noise_l) {
-                    let force = facts.defect(graph, &facts.half_force_defect, noise_l);
+                    let force = facts.defect(graph, &facts.force_contraction, noise_l);
                     let hamiltonian = match defect.as_str() {
                         "0" => String::new(),
                         defect => format!(", and drift Hamiltonian H0 - D, D = {defect}"),
                     };
                     messages::inconsistent_forces(*extent, scheme, &hamiltonian, &force)
                 } else {
-                    messages::inconsistent(*extent, scheme, &defect, &facts.half_defect.known)
+                    messages::inconsistent(*extent, scheme, &defect, &facts.noise_contraction.known)
                 }
             }
             Correction::Corrected if facts.force_defect_acts(noise_l) => {
@@ -60,7 +60,7 @@ fn check_consistency(
 /// `{H_m, F}` must vanish for every term; for the drift, `∂F/∂t` and the rates by forces are added.
 fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnostics) {
     for Invariant { extent, failure, .. } in &facts.invariants {
-        if let Some(Failure { along, found: Judged { sum, known } }) = failure {
+        if let Some(Failure { along, found: KnownSum { sum, known } }) = failure {
             let rate = sum.as_ref().map(|rate| facts.space.display(graph, rate, Rational::ONE));
             diagnostics.report(messages::no_invariant(*extent, along, rate.as_deref(), known, graph));
         }
@@ -70,13 +70,13 @@ fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnost
 /// Each part of `drift = [H_A, H_B]` has a known flow, and forces and friction belong to one of them.
 fn check_parts(system: &mut System, diagnostics: &mut Diagnostics) {
     let mut forms = Vec::new();
-    for part in 0..system.parts.len() {
-        let extent = system.parts[part].extent;
+    for part in 0..system.summands.len() {
+        let extent = system.summands[part].extent;
         let form = split::form(system, part).map_err(|reason| messages::part_without_flow(extent, reason));
         forms.extend(diagnostics.accept(form));
     }
-    if forms.len() == system.parts.len()
-        && let Err((extent, reason)) = split::homes(system, &forms)
+    if forms.len() == system.summands.len()
+        && let Err((extent, reason)) = split::assign_forces(system, &forms)
     {
         diagnostics.report(messages::acts_in_no_part(extent, reason, &system.converted_force()));
     }

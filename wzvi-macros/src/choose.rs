@@ -1,9 +1,10 @@
-//! The form of every step, chosen before anything is written out: straight-line code with a variable for each degree
-//! of freedom, or loops over elements.
+//! The form of every step, chosen before anything is written out: straight-line code with a variable for each
+//! degree of freedom, or loops over elements.
 //!
-//! The choice reads a sketch of the system, made of its elements in loops: the second derivatives of each element, placed
-//! at every turn of its loops, and the operations of all placements together. The sketch gives the blocks that a step
-//! solves. A block is a set of unknowns that read each other, and an equation reads what its slope reads:
+//! The choice reads a sketch of the system, made of its elements in loops: the second derivatives of each
+//! element, placed at every turn of its loops, and the operations of all placements together. The sketch
+//! gives the blocks that a step solves. A block is a set of unknowns that read each other, and an equation
+//! reads what its slope reads:
 //!
 //! | slope | equation | of points `l` | reads |
 //! |---|---|---|---|
@@ -20,23 +21,24 @@ use crate::model::{Element, Form, Half, Index, Local, Loop, Slot, System};
 use crate::passes::collect::sketched;
 use crate::symbolic::{Expr, Graph, Node, Symbol};
 
-/// The most unknowns of a block of a step in straight lines: six sites of which one half of the phase space is unknown, three where both are. For chains,
-/// rings and pairs with the mid-point a step of six sites takes 0.7 to 1.0 of the time of elements without loops, alone and in ensembles, and at eight
-/// 0.9 to 1.2. Where both halves are unknown, three sites take 0.9 to 1.2 of the time of loops, and four 1.4 to 1.7.
+/// The most unknowns of a block of a step in straight lines: six sites of which one half of the phase space
+/// is unknown, three where both are. For chains, rings and pairs with the mid-point a step of six sites takes
+/// 0.7 to 1.0 of the time of elements without loops, alone and in ensembles, and at eight 0.9 to 1.2. Where
+/// both halves are unknown, three sites take 0.9 to 1.2 of the time of loops, and four 1.4 to 1.7.
 /// (`cargo bench --workspace --bench seam` forces both ways beside the chosen one.)
 const MOST_UNKNOWNS: usize = 6;
 
-/// How many operations straight lines may have beyond those of the elements in loops, by what a step does with them. Code
-/// and expansion grow with these, and what straight lines gain in speed falls.
+/// How many operations straight lines may have beyond those of the elements in loops, by what a step does
+/// with them. Code and expansion grow with these, and what straight lines gain in speed falls.
 /// (`cargo bench --workspace --bench choose`.)
 struct MostAdded;
 
 impl MostAdded {
-    /// Of explicit steps, which evaluate each slope once: chains to 7 sites, 3 bodies in space. At 8 sites straight lines take
-    /// 0.8 of the time of loops, at 4 bodies 0.83, for more than twice the code.
+    /// Of explicit steps, which evaluate each slope once: chains to 7 sites, 3 bodies in space. At 8 sites
+    /// straight lines take 0.8 of the time of loops, at 4 bodies 0.83, for more than twice the code.
     const EXPLICIT: usize = 60;
-    /// Of stages, whose slopes fill the lanes of a register: chains to 9 sites, 3 bodies in space. At 8 sites they take 0.65 of
-    /// the time of loops, at 16 sites and 4 bodies 0.83.
+    /// Of stages, whose slopes fill the lanes of a register: chains to 9 sites, 3 bodies in space. At 8 sites
+    /// they take 0.65 of the time of loops, at 16 sites and 4 bodies 0.83.
     const STAGES: usize = 80;
     /// Of steps that solve blocks, each by its own elimination.
     const SOLVED: usize = 150;
@@ -45,7 +47,8 @@ impl MostAdded {
 /// The most placements of elements that are looked at: a system with more is not written out.
 const MOST_PLACEMENTS: usize = 4096;
 
-/// The largest block whose equations may be solved for an unknown that they are affine in: see `structure/isolate.rs`.
+/// The largest block whose equations may be solved for an unknown that they are affine in: see
+/// `structure/isolate.rs`.
 const MOST_ISOLATED: usize = 12;
 
 /// The forms of everything that is emitted.
@@ -88,7 +91,7 @@ pub(crate) fn choose(system: &System, listed: &[Embedding]) -> Choice {
     let mut steps: Vec<(Embedding, Form)> = Vec::new();
     for embedding in listed {
         let is_of_slopes = embedding.stages().is_some() || sketch.has_flows && embedding.takes_flows();
-        for step in embedding.parts() {
+        for step in embedding.substeps() {
             let is_straight = match is_of_slopes {
                 true => are_slopes_straight,
                 false => match sketch.largest_block(&step) {
@@ -130,7 +133,8 @@ struct Sketch {
 }
 
 impl Sketch {
-    /// `None` if the size or a place is known at run time only, or if elements have more than [`MOST_PLACEMENTS`].
+    /// `None` if the size or a place is known at run time only, or if elements have more than
+    /// [`MOST_PLACEMENTS`].
     fn of(system: &System) -> Option<Self> {
         let points = system.size.as_integer()?;
         // In a copy: the order of products in the code is that in which their nodes were made.
@@ -315,7 +319,8 @@ impl Placer<'_> {
         pairs
     }
 
-    /// Adds the couplings of every placement of an element; `None` if a place or a bound is unknown, or if they are too many.
+    /// Adds the couplings of every placement of an element; `None` if a place or a bound is unknown, or if
+    /// they are too many.
     fn place(
         &mut self,
         element: &Element,

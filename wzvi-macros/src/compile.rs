@@ -22,17 +22,17 @@ use crate::passes::friction::friction;
 use crate::passes::ito::ito;
 use crate::passes::unroll::{may_be_written_out, unroll, written_out};
 
-/// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
-/// with the struct and stubs, so that `rustc` adds no errors of its own.
+/// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the
+/// user's tokens with the struct and stubs, so that `rustc` adds no errors of its own.
 pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
-    if let Some(question) = functions::questions(&attribute, &item) {
+    if let Some(pending) = functions::pending(&attribute, &item) {
         // Mistakes that do not depend on the shared functions are reported first.
         let library = Library { is_pending: true, ..Library::default() };
         let mut diagnostics = Diagnostics::new();
         let mut stubs = Stubs::unrecognised(TokenStream::new());
         compile(attribute.clone(), item.clone(), library, &mut stubs, &mut diagnostics);
         if diagnostics.finish().is_ok() {
-            return question.beside_struct(stubs.with_errors(&TokenStream::new()));
+            return pending.with_struct(stubs.with_errors(&TokenStream::new()));
         }
     }
     let stubs = Stubs::unrecognised(item.clone());
@@ -40,8 +40,12 @@ pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
     expand_with(attribute, item, Library::default(), stubs, declared)
 }
 
-/// The same, once the functions that the Hamiltonians call are known, beside the struct.
-pub(crate) fn expand_beside(attribute: TokenStream, item: TokenStream, library: Library) -> TokenStream {
+/// The expansion with the definitions of shared functions, beside the struct, which stands already.
+pub(crate) fn expand_with_definitions(
+    attribute: TokenStream,
+    item: TokenStream,
+    library: Library,
+) -> TokenStream {
     let beside = |Expansion { doc, item, implementations }: Expansion| {
         let (name, (parameters, arguments, condition)) = (&item.ident, item.generics.split_for_impl());
         quote! { #doc impl #parameters #name #arguments #condition {} #implementations }
@@ -109,8 +113,8 @@ fn compile(
     Some(emit(&mut system, &facts, &steps, &texts))
 }
 
-/// The system as elements in its form, and its facts. A small system that is refused in loops is written out: more is known
-/// of one size than of all. `None` after an error was reported.
+/// The system as elements in its form, and its facts. A small system that is refused in loops is written out:
+/// more is known of one size than of all. `None` after an error was reported.
 fn analyse(mut system: System, diagnostics: &mut Diagnostics) -> Option<(System, Facts)> {
     if diagnostics.has_errors() {
         return None;
@@ -141,7 +145,7 @@ fn analyse_in_form(system: &mut System, diagnostics: &mut Diagnostics) -> Option
     (!diagnostics.has_errors()).then_some(facts)
 }
 
-/// The schemes, and those inside of thermostats.
+/// The schemes, and the schemes inside thermostats.
 fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {
     let mut values = Vec::new();
     for Located { value, .. } in embeddings {

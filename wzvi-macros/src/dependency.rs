@@ -1,5 +1,6 @@
-//! Whether the package that is compiled depends on `wzvi`. A program that reaches the macros through another crate has to name the path: `::wzvi`,
-//! which expansions name, does not exist there, and `rustc` cannot tell what to write.
+//! Whether the package that is compiled depends on `wzvi`. A program that reaches the macros through another
+//! crate has to name the path: `::wzvi`, which expansions name, does not exist there, and `rustc` cannot tell
+//! what to write.
 
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! The texts of the listed schemes, composed from the texts of the derived schemes.
 
 use crate::discretise::describe::{derivation, hamiltonians, properties, staged, sweep};
-use crate::discretise::facts::split::{self, Form};
+use crate::discretise::facts::split::{self, SummandForm};
 use crate::discretise::{Facts, Flows, Step};
-use crate::embedding::{Embedding, Kind};
+use crate::embedding::{Embedding, LetterKind};
 use crate::model::{System, Temperature};
 use crate::symbolic::Rational;
 
@@ -15,14 +15,15 @@ pub(crate) struct Texts {
     pub(crate) listed: Vec<(Embedding, String)>,
     /// The flows that compose `Verlet` and its compositions.
     pub(crate) flows: Option<Flows>,
-    /// The forms of the parts of the drift, where `Verlet` is listed and the user wrote the drift in two parts.
-    pub(crate) parts: Option<[Form; 2]>,
+    /// The forms of the parts of the drift, where `Verlet` is listed and the user wrote the drift in two
+    /// parts.
+    pub(crate) parts: Option<[SummandForm; 2]>,
 }
 
 /// The schemes with one quadrature point that the listed schemes need, each once.
 pub(crate) fn derived<'e>(listed: impl Iterator<Item = &'e Embedding>) -> Vec<Embedding> {
     let mut derived: Vec<Embedding> = Vec::new();
-    for part in listed.flat_map(Embedding::parts) {
+    for part in listed.flat_map(Embedding::substeps) {
         if !derived.contains(&part) {
             derived.push(part);
         }
@@ -66,7 +67,7 @@ impl Texts {
             step.map_or_else(String::new, |step| texts[step].clone())
         };
         let of_listed = |embedding: &Embedding| {
-            let derivation = match embedding.parts().as_slice() {
+            let derivation = match embedding.substeps().as_slice() {
                 _ if embedding.is_thermostat() => {
                     thermostat(embedding, system.has_forces(), system.temperature.as_ref())
                 }
@@ -117,12 +118,12 @@ fn thermostat(embedding: &Embedding, has_force: bool, temperature: Option<&Tempe
         };
         format!("  friction and noise of {time}: p <- E p + R ξ, E = {decay}, {noise}\n")
     };
-    let flow = |(kind, share): (Kind, Rational)| {
-        let time = times(if is_shortened && kind != Kind::Bath { "s h" } else { "h" }, share);
+    let flow = |(kind, share): (LetterKind, Rational)| {
+        let time = times(if is_shortened && kind != LetterKind::Bath { "s h" } else { "h" }, share);
         match kind {
-            Kind::Drift => format!("  drift of {time}:  q <- q + {time} M⁻¹ p\n"),
-            Kind::Kick => format!("  kick of {time}:  p <- p - {time} {slope}\n"),
-            Kind::Bath => relax(&time),
+            LetterKind::Drift => format!("  drift of {time}:  q <- q + {time} M⁻¹ p\n"),
+            LetterKind::Kick => format!("  kick of {time}:  p <- p - {time} {slope}\n"),
+            LetterKind::Bath => relax(&time),
         }
     };
     let step = match embedding {

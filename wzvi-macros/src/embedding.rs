@@ -1,4 +1,5 @@
-//! Embeddings as data: where each term of the discrete Lagrangian takes its coordinates.
+//! Embeddings as data: where each term of the discrete Lagrangian takes its coordinates. Tests:
+//! `tests/accepted/embeddings.rs`, `tests/steps/plan.rs`.
 
 use std::fmt;
 
@@ -23,7 +24,7 @@ const SCHEMES: [(&str, &str); 9] = [
     ("Corrected", "<E>"),
     ("Uncorrected", "<E>"),
 ];
-/// Those for systems with friction.
+/// The schemes for systems with friction.
 const THERMOSTATS: [(&str, &str); 5] =
     [("Baoab", ""), ("Obabo", ""), ("Gjf", ""), ("GjI", ""), ("Thermostat", "<E>")];
 
@@ -55,7 +56,7 @@ pub(crate) fn meant(word: &str) -> Option<&'static str> {
 }
 
 pub(crate) use points::{Declared, Points};
-pub(crate) use word::{Kind, Letter, MOST_LETTERS, Word};
+pub(crate) use word::{Letter, LetterKind, MOST_LETTERS, Word};
 
 /// A scheme as the user wrote it.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -82,7 +83,8 @@ pub(crate) enum Embedding {
     Obabo,
     Gjf,
     GjI,
-    /// The same with letters of one's own; drifts add to one step, kicks too, and there is friction.
+    /// A splitting by the user's letters. The shares of drifts add up to one step, as do those of kicks, and
+    /// there is friction.
     Splitting(Word),
     /// Half of the flow of the bath, a step of `E`, the other half; `E` is no thermostat.
     Thermostat(Box<Embedding>),
@@ -90,7 +92,7 @@ pub(crate) enum Embedding {
     Isolated(Box<Embedding>),
 }
 
-/// What to do about an inconsistent limit.
+/// The treatment of an inconsistent limit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Correction {
     /// Refuse it.
@@ -102,7 +104,8 @@ pub(crate) enum Correction {
 }
 
 impl Embedding {
-    /// The quadrature points of the drift and of every noise; on average over the step where it takes several turns.
+    /// The quadrature points of the drift and of every noise. For a composed step, the mean over its
+    /// substeps.
     pub(crate) fn points(&self) -> [Points; 2] {
         let single = |l| [Points::one(l), Points::one(l)];
         match self {
@@ -137,14 +140,14 @@ impl Embedding {
         self.points().map(|points| points.mean())
     }
 
-    /// The schemes with one `P` that a step is made of, one after the other; none where it has several at
-    /// once, or other parts between.
-    pub(crate) fn parts(&self) -> Vec<Self> {
+    /// The one-point substeps of this scheme, in order; empty for stages that are solved together and for
+    /// splittings.
+    pub(crate) fn substeps(&self) -> Vec<Self> {
         let uncorrected = |half: Self| Self::Uncorrected(Box::new(half));
         match self {
             Self::Verlet => vec![uncorrected(Self::DeltaPlus), uncorrected(Self::DeltaMinus)],
             Self::Gauss(1) => vec![Self::Midpoint],
-            Self::Isolated(inner) if **inner == Self::Verlet => inner.parts(),
+            Self::Isolated(inner) if **inner == Self::Verlet => inner.substeps(),
             Self::Isolated(inner) if inner.stages().is_some() => Vec::new(),
             Self::Gauss(_) | Self::Thermostat(_) => Vec::new(),
             word if word.is_word() => Vec::new(),
@@ -175,12 +178,12 @@ impl Embedding {
         }
     }
 
-    /// Whether it takes turns of kicks, drifts and the flow of the bath.
+    /// Whether it is a splitting into kicks, drifts and the flow of the bath.
     pub(crate) fn is_word(&self) -> bool {
         self.letters().is_some()
     }
 
-    /// The kicks, drifts and flows of the bath that it takes in turn.
+    /// The word of a splitting: its kicks, drifts and flows of the bath, in order.
     pub(crate) fn letters(&self) -> Option<Word> {
         match self {
             Self::Baoab | Self::Gjf | Self::GjI => Some(Word::of("BAOAB")),
@@ -213,7 +216,7 @@ impl Embedding {
     }
 }
 
-/// What stands between the brackets of a scheme.
+/// A generic argument of a scheme.
 enum Argument<'e> {
     Number(u32),
     Letters(&'e Word),
@@ -221,7 +224,7 @@ enum Argument<'e> {
 }
 
 impl Embedding {
-    /// Those without arguments.
+    /// The schemes without arguments.
     pub(crate) const PLAIN: [Self; 8] = [
         Self::DeltaPlus,
         Self::Midpoint,
@@ -233,7 +236,8 @@ impl Embedding {
         Self::GjI,
     ];
 
-    /// Its name and its arguments, as users write it; one that they have no name for is written as what is inside.
+    /// The name and the arguments, as users write them. `Isolated`, for which users have no name, is written
+    /// as the scheme inside.
     fn spelling(&self) -> (String, Vec<Argument<'_>>) {
         use Argument::{Letters, Number, Scheme};
         let (name, arguments) = match self {

@@ -2,8 +2,8 @@
 //!
 //! An attribute sees the tokens of its own item only. So `#[hamiltonian_fn] fn morse` emits, beside the
 //! function and under the same path, a macro `morse!` that passes the function's tokens to its caller; a path
-//! that imports the one imports the other. `#[hamiltonian]` expands to a call of such a macro (a question)
-//! for each function that it calls, and continues with the answers. The tokens of methods come from a macro
+//! that imports the one imports the other. `#[hamiltonian]` expands to a call of such a macro (a request) for
+//! each function that it calls, and resumes with the definitions. The tokens of methods come from a macro
 //! with the name of the struct, which `#[hamiltonian_fn] impl` emits. Functions that a shared function calls
 //! are resolved where it is defined, so names have the meaning that its author saw.
 //!
@@ -18,36 +18,36 @@ use syn::parse::{Parse, ParseStream, Parser};
 use syn::{Block, ImplItem, Item, Path, Signature, braced};
 
 use crate::diagnostics::{Diagnostics, messages};
-use crate::input::{self, Function, Library};
+use crate::input::{self, Library, SharedFunction};
 use crate::lower::key;
 use crate::tokens::{any_word, replaced};
 
 pub(crate) use define::define;
 
-/// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {stand-ins} {asked paths}
-/// {answers}`.
-pub(crate) struct Question {
+/// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {stubs} {requested paths}
+/// {definitions}`.
+pub(crate) struct Pending {
     pub(super) kind: Ident,
     pub(super) crate_path: Path,
     pub(super) attribute: TokenStream,
     pub(super) item: TokenStream,
-    /// Stand-ins for the integrators of a struct, used if a definition is missing.
-    pub(super) stand_ins: TokenStream,
-    pub(super) asked: Vec<Path>,
-    pub(super) answers: Vec<TokenStream>,
+    /// The stubs for the integrators of a struct, expanded if a definition is missing.
+    pub(super) stubs: TokenStream,
+    pub(super) requested: Vec<Path>,
+    pub(super) definitions: Vec<TokenStream>,
 }
 
-impl Question {
-    /// The question for the next missing definition.
-    pub(super) fn ask(&self) -> TokenStream {
-        let position = self.answers.len();
-        let Some(path) = self.asked.get(position) else { return TokenStream::new() };
+impl Pending {
+    /// The request for the next missing definition.
+    pub(super) fn request(&self) -> TokenStream {
+        let position = self.definitions.len();
+        let Some(path) = self.requested.get(position) else { return TokenStream::new() };
         let Some(name) = path.segments.last().map(|last| &last.ident) else { return TokenStream::new() };
-        let Self { kind, crate_path, attribute, item, stand_ins, asked, answers } = self;
+        let Self { kind, crate_path, attribute, item, stubs, requested, definitions } = self;
         let state = quote! {
             {
-                { #kind } { #crate_path } { #attribute } { #item } { #stand_ins } { #( { #asked } )* }
-                { #( { #answers } )* }
+                { #kind } { #crate_path } { #attribute } { #item } { #stubs } { #( { #requested } )* }
+                { #( { #definitions } )* }
             }
         };
         let callback = quote! { { #crate_path::__private::__continue } };
@@ -55,9 +55,12 @@ impl Question {
         if is_of_function && owner_of(path).is_some() {
             return quote! { #path! { #callback #state } };
         }
-        let asker = asker(item).map_or_else(String::new, |asker| format!("_to_be_called_by_{asker}"));
-        let alias =
-            format_ident!("{name}_needs_the_attribute_hamiltonian_fn{asker}_{position}", span = name.span());
+        let requester =
+            requester(item).map_or_else(String::new, |requester| format!("_to_be_called_by_{requester}"));
+        let alias = format_ident!(
+            "{name}_needs_the_attribute_hamiltonian_fn{requester}_{position}",
+            span = name.span()
+        );
         if is_of_function {
             // The emitted items must be where the function is, and `rustc` can only say that the macro does
             // not exist: its name says what is missing.
@@ -74,7 +77,7 @@ impl Question {
         quote! {
             const _: () = {
                 #[allow(unused_macros)]
-                macro_rules! #missing { ($($state:tt)*) => { #error #stand_ins } }
+                macro_rules! #missing { ($($state:tt)*) => { #error #stubs } }
                 #[allow(unused_imports)]
                 use #missing as #alias;
                 const _: () = {
@@ -87,30 +90,30 @@ impl Question {
     }
 }
 
-impl Parse for Question {
+impl Parse for Pending {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
         let kind = syn::parse2(group(input)?)?;
         let crate_path = path(group(input)?)?;
-        let (attribute, item, stand_ins) = (group(input)?, group(input)?, group(input)?);
-        let asked = paths(group(input)?)?;
-        let mut answers: Vec<TokenStream> = groups(group(input)?).collect();
+        let (attribute, item, stubs) = (group(input)?, group(input)?, group(input)?);
+        let requested = paths(group(input)?)?;
+        let mut definitions: Vec<TokenStream> = groups(group(input)?).collect();
         if !input.is_empty() {
-            answers.push(group(input)?);
+            definitions.push(group(input)?);
         }
-        Ok(Self { kind, crate_path, attribute, item, stand_ins, asked, answers })
+        Ok(Self { kind, crate_path, attribute, item, stubs, requested, definitions })
     }
 }
 
-/// What `item` asked for, by the paths of the calls.
-fn library(asked: &[Path], answers: &[TokenStream], item: &TokenStream) -> syn::Result<Library> {
-    let own = asker(item);
+/// The functions that `item` requested, by the paths of its calls.
+fn library(requested: &[Path], definitions: &[TokenStream], item: &TokenStream) -> syn::Result<Library> {
+    let own = requester(item);
     let mut library = Library::default();
-    for (path, answer) in asked.iter().zip(answers) {
+    for (path, definition) in requested.iter().zip(definitions) {
         let owner = owner_of(path);
         let is_own = owner.is_some() && own.as_ref().map(Ident::to_string) == owner;
         let other = owner.filter(|_| !is_own);
         for function in
-            (|input: ParseStream<'_>| self::answer(input, other.as_deref())).parse2(answer.clone())?
+            (|input: ParseStream<'_>| self::definition(input, other.as_deref())).parse2(definition.clone())?
         {
             let name = match &other {
                 None if is_own => {
@@ -121,7 +124,7 @@ fn library(asked: &[Path], answers: &[TokenStream], item: &TokenStream) -> syn::
                 Some(_) if function.reads_self => continue,
                 Some(other) => format!("{other}::{}", function.name),
             };
-            library.functions.push(Function { name, ..function });
+            library.functions.push(SharedFunction { name, ..function });
         }
     }
     Ok(library)
@@ -149,11 +152,10 @@ fn groups(tokens: TokenStream) -> impl Iterator<Item = TokenStream> {
     })
 }
 
-/// What a macro of a shared function, or of the methods of a type, hands over:
-/// `{ item } { the paths it calls } { their definitions }`. `Self` is that type where it is another one than
-/// the struct.
-fn answer(input: ParseStream<'_>, other: Option<&str>) -> syn::Result<Vec<Function>> {
-    let (item, asked, answers) = (group(input)?, group(input)?, group(input)?);
+/// Parses the tokens that a macro exports: `{ item } { the paths it calls } { their definitions }`. `Self`
+/// becomes `other`, the type of the functions if it is not the struct.
+fn definition(input: ParseStream<'_>, other: Option<&str>) -> syn::Result<Vec<SharedFunction>> {
+    let (item, requested, definitions) = (group(input)?, group(input)?, group(input)?);
     let item = match other {
         Some(other) => replaced(item, &|token| match token {
             TokenTree::Ident(word) if word == "Self" => Ident::new(other, word.span()).into_token_stream(),
@@ -161,7 +163,7 @@ fn answer(input: ParseStream<'_>, other: Option<&str>) -> syn::Result<Vec<Functi
         }),
         None => item,
     };
-    let (asked, answers) = (paths(asked)?, groups(answers).collect::<Vec<_>>());
+    let (requested, definitions) = (paths(requested)?, groups(definitions).collect::<Vec<_>>());
     let bodies: Vec<(Signature, Block)> = match syn::parse2(item)? {
         Item::Fn(function) => vec![(function.sig, *function.block)],
         Item::Impl(methods) => {
@@ -176,14 +178,14 @@ fn answer(input: ParseStream<'_>, other: Option<&str>) -> syn::Result<Vec<Functi
     let functions = bodies.into_iter().map(|(signature, block)| {
         let name = signature.ident.to_string();
         let reads_self = any_word(quote! { #signature #block }, &mut |word| word == "self" || word == "Self");
-        let library = library(&asked, &answers, &TokenStream::new())?;
-        Ok(Function { name, signature, block, library, reads_self })
+        let library = library(&requested, &definitions, &TokenStream::new())?;
+        Ok(SharedFunction { name, signature, block, library, reads_self })
     });
     functions.collect()
 }
 
-/// The name of the item that asks.
-fn asker(item: &TokenStream) -> Option<Ident> {
+/// The name of the item that requests definitions.
+fn requester(item: &TokenStream) -> Option<Ident> {
     match syn::parse2::<Item>(item.clone()).ok()? {
         Item::Struct(item) => Some(item.ident),
         Item::Fn(item) => Some(item.sig.ident),
@@ -193,12 +195,12 @@ fn asker(item: &TokenStream) -> Option<Ident> {
 
 const OWNER: &str = "_needs_an_impl_with_the_attribute_hamiltonian_fn";
 
-/// The macro that has the methods of a struct: it is found in the module of both.
+/// The path of the macro that exports the methods of a struct, in the module of the struct.
 fn owner(name: &Ident, span: Span) -> Path {
     format_ident!("{name}{OWNER}", span = span).into()
 }
 
-/// The type whose functions a path asks for.
+/// The type whose functions a path requests.
 fn owner_of(path: &Path) -> Option<String> {
     path.get_ident()?.to_string().strip_suffix(OWNER).map(str::to_owned)
 }
@@ -207,49 +209,49 @@ fn is_function(kind: &Ident) -> bool {
     kind == "function"
 }
 
-/// The questions of `#[hamiltonian(attribute)] item`, if it calls shared functions and what is read so far
-/// has no mistakes.
-pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<Question> {
+/// The pending expansion of `#[hamiltonian(attribute)] item`; `None` if it calls no shared functions or has
+/// mistakes.
+pub(crate) fn pending(attribute: &TokenStream, item: &TokenStream) -> Option<Pending> {
     let mut diagnostics = Diagnostics::new();
     let system = input::read_struct(item.clone(), &mut diagnostics);
     let declaration = input::read_attribute(attribute.clone(), &mut diagnostics);
     diagnostics.finish().ok()?;
     let (system, declaration) = (system?, declaration?);
     let closures = declaration.in_order().map(|hamiltonian| &hamiltonian.closure);
-    let asked = calls::of_closures(closures, &system.item.ident);
+    let requested = calls::of_closures(closures, &system.item.ident);
     let kind = syn::parse_quote!(hamiltonian);
     let (crate_path, attribute, item) = (declaration.crate_path, attribute.clone(), item.clone());
-    let (stand_ins, answers) = (TokenStream::new(), Vec::new());
-    let question = Question { kind, crate_path, attribute, item, stand_ins, asked, answers };
-    (!question.asked.is_empty()).then_some(question)
+    let (stubs, definitions) = (TokenStream::new(), Vec::new());
+    let pending_expansion = Pending { kind, crate_path, attribute, item, stubs, requested, definitions };
+    (!pending_expansion.requested.is_empty()).then_some(pending_expansion)
 }
 
-impl Question {
-    /// The first question, beside the struct: the expansion of the answers has a scope of its own.
-    pub(crate) fn beside_struct(self, stand_ins: TokenStream) -> TokenStream {
-        let question = Self { stand_ins, ..self };
-        let (item, asked) = (&question.item, question.ask());
-        quote! { #item #asked }
+impl Pending {
+    /// The struct with the first request. The expansion with definitions has a scope of its own.
+    pub(crate) fn with_struct(self, stubs: TokenStream) -> TokenStream {
+        let pending_expansion = Self { stubs, ..self };
+        let (item, requested) = (&pending_expansion.item, pending_expansion.request());
+        quote! { #item #requested }
     }
 }
 
-/// Continues after an answer: with the next question, or with the expansion of the system.
-pub(crate) fn proceed(
+/// Resumes with one more definition: requests the next one, or expands the system.
+pub(crate) fn resume(
     tokens: TokenStream,
     expand: impl FnOnce(TokenStream, TokenStream, Library) -> TokenStream,
 ) -> TokenStream {
-    let question = match syn::parse2::<Question>(tokens) {
-        Ok(question) => question,
+    let pending_expansion = match syn::parse2::<Pending>(tokens) {
+        Ok(pending_expansion) => pending_expansion,
         Err(error) => return error.to_compile_error(),
     };
-    if question.answers.len() < question.asked.len() {
-        return question.ask();
+    if pending_expansion.definitions.len() < pending_expansion.requested.len() {
+        return pending_expansion.request();
     }
-    if is_function(&question.kind) {
-        return define::carrier(&question);
+    if is_function(&pending_expansion.kind) {
+        return define::exporting_macro(&pending_expansion);
     }
-    match library(&question.asked, &question.answers, &question.item) {
-        Ok(library) => expand(question.attribute, question.item, library),
+    match library(&pending_expansion.requested, &pending_expansion.definitions, &pending_expansion.item) {
+        Ok(library) => expand(pending_expansion.attribute, pending_expansion.item, library),
         Err(error) => error.to_compile_error(),
     }
 }

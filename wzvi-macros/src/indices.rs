@@ -4,7 +4,7 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use crate::model::{Atom, Index, Operation, Table};
+use crate::model::{Atom, Index, IndexOperation, Table};
 
 /// The variable of a loop.
 pub(crate) fn variable(id: u32) -> Ident {
@@ -172,13 +172,13 @@ impl Indices<'_> {
             Atom::Of(operation, both) => {
                 let (a, b) = (self.value(&both.0), self.value(&both.1));
                 match (operation, self.checked) {
-                    (Operation::Product, _) => quote!((#a * #b)),
-                    (Operation::Quotient, true) => quote!(#isize::checked_div(#a, #b)?),
-                    (Operation::Quotient, false) => quote!((#a / #b)),
-                    (Operation::Remainder, true) => quote!(#isize::checked_rem(#a, #b)?),
-                    (Operation::Remainder, false) => quote!((#a % #b)),
-                    (Operation::Minimum, _) => quote!(__wzvi::Ord::min(#a, #b)),
-                    (Operation::Maximum, _) => quote!(__wzvi::Ord::max(#a, #b)),
+                    (IndexOperation::Product, _) => quote!((#a * #b)),
+                    (IndexOperation::Quotient, true) => quote!(#isize::checked_div(#a, #b)?),
+                    (IndexOperation::Quotient, false) => quote!((#a / #b)),
+                    (IndexOperation::Remainder, true) => quote!(#isize::checked_rem(#a, #b)?),
+                    (IndexOperation::Remainder, false) => quote!((#a % #b)),
+                    (IndexOperation::Minimum, _) => quote!(__wzvi::Ord::min(#a, #b)),
+                    (IndexOperation::Maximum, _) => quote!(__wzvi::Ord::max(#a, #b)),
                 }
             }
         }

@@ -1,8 +1,8 @@
 //! The compiler of `wzvi`: one attribute, [`macro@hamiltonian`]. Users depend on the facade crate `wzvi`.
 //!
 //! Data flows one way: `input` reads what was declared, `lower` turns the closures into symbolic expressions,
-//! `discretise` derives the discrete Euler-Lagrange equations and `emit` writes them as Rust. Each module imports only
-//! modules above it:
+//! `discretise` derives the discrete Euler-Lagrange equations and `emit` writes them as Rust. Each module
+//! imports only modules above it:
 //!
 //! | module | contents |
 //! |---|---|
@@ -69,7 +69,8 @@ fn with_dependency(
 ///
 /// The other keys are `force`, `noise_force`, `friction`, `damping` and `temperature`.
 ///
-/// The patterns of a closure declare the phase space. They are the coordinates, the momenta and, if it is named, time:
+/// The patterns of a closure declare the phase space. They are the coordinates, the momenta and, if it is
+/// named, time:
 ///
 /// | pattern | phase space |
 /// |---|---|
@@ -80,15 +81,16 @@ fn with_dependency(
 /// | `\|q: &[f64], p: &[f64]\|` | the size is that of the state |
 /// | `\|q, p, t\|` | any of these with explicit time |
 ///
-/// In `noise = [|q, p, k| sigma * q[k]; N]` the last parameter is the index of the noise. The fields of the struct are in
-/// scope by name. Bodies are Rust expressions and are type-checked as such; sums over sites stay loops.
+/// In `noise = [|q, p, k| sigma * q[k]; N]` the last parameter is the index of the noise. The fields of the
+/// struct are in scope by name. Bodies are Rust expressions and are type-checked as such; sums over sites
+/// stay loops.
 ///
-/// A type of the program is an embedding by its quadrature points `l` in `q_l = (1 - l) q_i + l q_{i+1}` and their weights,
-/// which add up to 1: `embedding = [Midpoint, Trapezoidal = [(0, 1/2), (1, 1/2)]]` with `struct Trapezoidal;`. Numbers are
-/// exact: integers, fractions and decimals.
+/// A type of the program is an embedding by its quadrature points `l` in `q_l = (1 - l) q_i + l q_{i+1}` and
+/// their weights, which add up to 1: `embedding = [Midpoint, Trapezoidal = [(0, 1/2), (1, 1/2)]]` with
+/// `struct Trapezoidal;`. Numbers are exact: integers, fractions and decimals.
 ///
-/// Mistakes are compile errors at the tokens that they are about. One is a scheme whose limit is not the Stratonovich
-/// system, another an `invariant` that is not conserved.
+/// Mistakes are compile errors at the tokens that they are about. One is a scheme whose limit is not the
+/// Stratonovich system, another an `invariant` that is not conserved.
 #[proc_macro_attribute]
 pub fn hamiltonian(
     attribute: proc_macro::TokenStream,
@@ -115,8 +117,8 @@ pub fn hamiltonian(
 /// }
 /// ```
 ///
-/// The function itself does not change. A Hamiltonian inlines its body at the call, like that of a local closure: facts and
-/// derivatives are those of the inlined expression.
+/// The function itself does not change. A Hamiltonian inlines its body at the call, like that of a local
+/// closure: facts and derivatives are those of the inlined expression.
 ///
 /// * It may come from another module or crate, by a path or by an import under its own name.
 /// * It may call other such functions, but not itself.
@@ -133,9 +135,9 @@ pub fn hamiltonian_fn(
     with_dependency(attribute.into(), item.into(), functions::define).into()
 }
 
-/// An expansion goes on with the tokens of a shared function: called by generated code only.
+/// Resumes an expansion with the tokens of a shared function. Only generated code calls it.
 #[doc(hidden)]
 #[proc_macro]
 pub fn __continue(tokens: proc_macro::TokenStream) -> proc_macro::TokenStream {
-    functions::proceed(tokens.into(), compile::expand_beside).into()
+    functions::resume(tokens.into(), compile::expand_with_definitions).into()
 }

@@ -1,18 +1,19 @@
-//! What the front end hands on: the user's Hamiltonians as sums of elements.
+//! The model: the user's Hamiltonians as sums of elements.
 //!
 //! ```text
 //! H = Σ_e Σ_(loops of e) H_e(locals of e)
 //! ```
 //!
-//! An element is a scalar expression without loops, in a few local variables, and the loops that place it. A local
-//! variable is a component of `q` or `p`, an entry of a field, or a number made of loop variables; its index is an
-//! [`Index`]. The element of a small system has no loops, and locals with constant indices; that is the only difference.
+//! An element is a scalar expression without loops, in a few local variables, and the loops that place it. A
+//! local variable is a component of `q` or `p`, an entry of a field, or a number made of loop variables; its
+//! index is an [`Index`]. The element of a small system has no loops, and locals with constant indices; that
+//! is the only difference.
 
 use std::rc::Rc;
 
 use proc_macro2::TokenStream;
 
-pub(crate) use self::index::{Atom, Bounds, Index, Loop, Operation, Outlier};
+pub(crate) use self::index::{Atom, Bounds, Index, IndexOperation, Loop, Outlier};
 use self::symbols::Symbols;
 use crate::diagnostics::{Extent, Located, promised};
 use crate::embedding::Embedding;
@@ -53,11 +54,11 @@ pub(crate) struct Parameter {
 /// A list or an integer that the struct or a constant holds.
 #[derive(Clone, Default)]
 pub(crate) struct Table {
-    /// As it is displayed.
+    /// The displayed name.
     pub(crate) name: String,
-    /// As it is read in a method of the struct.
+    /// The tokens that read it in a method of the struct.
     pub(crate) tokens: TokenStream,
-    /// What follows the indices: the part of a tuple, or the length of a list inside.
+    /// The tokens after the indices: the part of a tuple, or the length of a list inside.
     pub(crate) suffix: TokenStream,
     /// Whether its entries are known not to be negative.
     pub(crate) is_unsigned: bool,
@@ -65,7 +66,8 @@ pub(crate) struct Table {
     pub(crate) lengths: Vec<Option<usize>>,
 }
 
-/// The conjugate halves of the phase space, and the virtual displacements `δq` of the coordinates: a covector `f` is the function `f · δq`.
+/// The conjugate halves of the phase space, and the virtual displacements `δq` of the coordinates: a covector
+/// `f` is the function `f · δq`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Half {
     Coordinates,
@@ -150,7 +152,7 @@ pub(crate) struct Term {
     pub(crate) expression: Expr,
     /// Each reads only coordinates, only momenta, or what cannot be parted: for derivatives.
     pub(crate) elements: Vec<Element>,
-    /// The same sum as the user wrote it: for values, which keep its digits.
+    /// The elements as the user wrote them: for values, which keep their digits.
     pub(crate) values: Vec<Element>,
     pub(crate) extent: Extent,
 }
@@ -175,7 +177,7 @@ pub(crate) struct Conversion {
     pub(crate) reads_momenta: bool,
 }
 
-/// What draws on the momenta, `-G p` with rates on the diagonal of `G`, or `-Γ M⁻¹ p`.
+/// Linear friction: `-G p` with rates on the diagonal of `G`, or `-Γ M⁻¹ p`.
 #[derive(Clone)]
 pub(crate) struct Friction {
     /// `δq · G p` or `δq · Γ p`
@@ -204,8 +206,8 @@ pub(crate) struct Temperature {
     pub(crate) reads_time: bool,
 }
 
-/// The members `0..count` of a family of noises; `variable` is the loop variable that counts them. It is the outermost loop
-/// of every element of the family.
+/// The members `0..count` of a family of noises; `variable` is the loop variable that counts them. It is the
+/// outermost loop of every element of the family.
 #[derive(Clone)]
 pub(crate) struct Family {
     pub(crate) variable: u32,
@@ -232,7 +234,7 @@ pub(crate) struct System {
     pub(crate) names: [String; 2],
     /// The displayed names of their components.
     pub(crate) labels: [Labels; 2],
-    /// What the symbols in it stand for, besides time and parameters.
+    /// The meanings of the symbols other than time and parameters.
     pub(crate) symbols: Symbols,
     pub(crate) t: Symbol,
     pub(crate) parameters: Vec<Parameter>,
@@ -241,13 +243,14 @@ pub(crate) struct System {
     pub(crate) naturals: Vec<(Vec<Loop>, Index)>,
     pub(crate) drift: Term,
     /// The parts of the drift, where the user has parted it: `drift = [H_A, H_B]`.
-    pub(crate) parts: Vec<Term>,
+    pub(crate) summands: Vec<Term>,
     /// In the order of their increments: Hamiltonians, then covectors.
     pub(crate) noise: Vec<Noise>,
     /// The covector beside the drift.
     pub(crate) force: Option<Term>,
     pub(crate) friction: Option<Friction>,
-    /// The rate of friction that steps take in exactly: one for all degrees of freedom, without a temperature.
+    /// The rate of friction that steps take in exactly: one for all degrees of freedom, without a
+    /// temperature.
     pub(crate) conformal: Option<Expr>,
     /// `e^{γ (t - t_i)}` with this rate, where elements are emitted in loops.
     pub(crate) scale: Option<Symbol>,
@@ -257,7 +260,7 @@ pub(crate) struct System {
     /// The correction by which this system in the sense of Ito is one in the sense of Stratonovich.
     pub(crate) conversion: Option<Conversion>,
     pub(crate) invariants: Vec<Term>,
-    /// Their names; empty for those without.
+    /// The names of the first integrals; empty where there is none.
     pub(crate) invariant_names: Vec<String>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
     /// The struct: attributes, visibility, name, generics and fields, to be emitted unchanged.
@@ -268,7 +271,8 @@ pub(crate) struct System {
     pub(crate) form: Form,
     /// The form of the slopes of the step Hamiltonian.
     pub(crate) slopes: Form,
-    /// The same with each degree of freedom a variable of its own, where a step or the slopes are in straight lines.
+    /// The same with each degree of freedom a variable of its own, where a step or the slopes are in straight
+    /// lines.
     pub(crate) line: Option<Rc<StraightLine>>,
     /// Functions that repeat the user's closures for `rustc` to type-check at the user's spans; never called.
     pub(crate) type_checks: TokenStream,
@@ -302,7 +306,7 @@ impl System {
 
     /// The degrees of freedom, where they are known and no element has loops.
     pub(crate) fn degrees_in_straight_lines(&self) -> Option<usize> {
-        let mut elements = self.terms().chain(&self.parts).flat_map(|term| &term.values);
+        let mut elements = self.terms().chain(&self.summands).flat_map(|term| &term.values);
         let is_straight = elements.all(|element| element.loops.is_empty());
         let degrees = self.size.as_integer().filter(|_| is_straight)?.checked_mul(self.components)?;
         usize::try_from(degrees).ok()
@@ -328,7 +332,8 @@ impl System {
         self.force.is_some() || self.noise.iter().any(|noise| noise.is_force)
     }
 
-    /// For each noise the number of noises before it, members of families counted one by one; at last the number of all.
+    /// For each noise the number of noises before it, members of families counted one by one; at last the
+    /// number of all.
     pub(crate) fn noise_offsets(&self) -> Vec<Index> {
         let mut offsets = vec![Index::default()];
         let mut total = Index::default();
@@ -342,17 +347,18 @@ impl System {
     }
 }
 
-/// A [`System`] without loops whose degrees of freedom are variables of their own: every Hamiltonian as one expression in the graph of
-/// the system.
+/// A [`System`] without loops whose degrees of freedom are variables of their own: every Hamiltonian as one
+/// expression in the graph of the system.
 pub(crate) struct StraightLine {
     pub(crate) phase: Phase,
-    /// Those of the system, and entries of lists.
+    /// The parameters of the system, and entries of lists.
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) drift: Expr,
     pub(crate) noise: Vec<Expr>,
     /// One component per degree of freedom.
     pub(crate) force: Option<Vec<Expr>>,
-    /// The same, driven by the increments after those of the noises.
+    /// Forces driven by the increments after those of the noise Hamiltonians, one component per degree of
+    /// freedom.
     pub(crate) noise_forces: Vec<Vec<Expr>>,
     /// The rate of friction that steps take in exactly.
     pub(crate) conformal: Option<Expr>,

@@ -5,7 +5,8 @@ use std::fmt;
 use proc_macro2::{Group, Ident, TokenStream, TokenTree};
 use quote::ToTokens;
 
-/// Syntax of the user that equals other syntax of the same text. The feature of syn that compares its types would take longer to compile.
+/// Syntax of the user that equals other syntax of the same text. The feature of syn that compares its types
+/// would take longer to compile.
 #[derive(Clone)]
 pub(crate) struct Written<T>(pub(crate) T);
 
@@ -53,7 +54,7 @@ pub(crate) fn words(tokens: TokenStream) -> Vec<Ident> {
     words
 }
 
-/// The same with each token that is not a group replaced by others.
+/// The tokens, with each token that is not a group replaced by others.
 pub(crate) fn replaced(tokens: TokenStream, by: &dyn Fn(TokenTree) -> TokenStream) -> TokenStream {
     let token = |token| match token {
         TokenTree::Group(group) => regrouped(&group, replaced(group.stream(), by)).into(),

@@ -1,4 +1,5 @@
-//! The cost of an expansion, in nodes of expressions: `cargo test -p wzvi-macros effort_of -- --nocapture` prints the table.
+//! The cost of an expansion, in nodes of expressions: `cargo test -p wzvi-macros effort_of -- --nocapture`
+//! prints the table.
 
 #![allow(clippy::unwrap_used)]
 
@@ -10,8 +11,8 @@ use crate::symbolic::tests::effort;
 /// Nodes for each embedding: more than twice those of the largest scene.
 const ALLOWED: u64 = 50_000;
 
-/// Beside the golden scenes, a long Hamiltonian and all kinds of embeddings of one with noise: name, the attribute's arguments, the struct,
-/// the number of embeddings.
+/// Beside the golden scenes, a long Hamiltonian and all kinds of embeddings of one with noise: name, the
+/// attribute's arguments, the struct, the number of embeddings.
 const MORE: [(&str, &str, &str, u64); 3] = [
     (
         "double_well",
@@ -92,8 +93,8 @@ fn processor() -> f64 {
     text.split(' ').next().and_then(|time| time.parse::<f64>().ok()).map_or(f64::NAN, |time| time * 1e-6)
 }
 
-/// An expansion costs at most half more than that of any larger size, or is that of a short system: below this effort it takes
-/// some hundredths of a second, most of them for what does not depend on the size.
+/// An expansion costs at most half more than that of any larger size, or is that of a short system: below
+/// this effort it takes some hundredths of a second, most of them for what does not depend on the size.
 #[test]
 fn effort_by_size() {
     const SHORT: u64 = 60_000;

@@ -1,6 +1,6 @@
 //! Golden expansions: what the compiler writes for representative systems, pretty-printed, to be reviewed as
-//! differences. `GOLDEN=overwrite cargo test -p wzvi-macros golden` renews the files; `cargo test --workspace --test compiler golden` compiles
-//! and runs them.
+//! differences. `GOLDEN=overwrite cargo test -p wzvi-macros golden` renews the files;
+//! `cargo test --workspace --test compiler golden` compiles and runs them.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,5 +1,6 @@
-//! Messages of the compiler and the tokens they point at, for the systems in `tests/compiler/ui/messages`, to be reviewed as differences.
-//! `GOLDEN=overwrite cargo test -p wzvi-macros messages` renews the files. What `rustc` makes of messages is shown by `tests/compiler/ui/fail`.
+//! Messages of the compiler and the tokens they point at, for the systems in `tests/compiler/ui/messages`, to
+//! be reviewed as differences. `GOLDEN=overwrite cargo test -p wzvi-macros messages` renews the files. What
+//! `rustc` makes of messages is shown by `tests/compiler/ui/fail`.
 
 #![allow(clippy::unwrap_used)]
 
@@ -9,7 +10,8 @@ use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/compiler/ui/messages");
 
-/// Expands each item with an attribute of the crate, those in bodies of functions too: the messages, one a line.
+/// Expands each item with an attribute of the crate, those in bodies of functions too: the messages, one a
+/// line.
 fn expand_all(stream: TokenStream, found: &mut String) {
     let mut tokens = stream.into_iter();
     let mut hash = Span::call_site();

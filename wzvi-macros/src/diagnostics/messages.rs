@@ -191,7 +191,7 @@ pub(crate) fn intended_key(name: &str) -> Option<Key> {
     closest(name, Key::ALL.iter().map(|key| key.name())).and_then(Key::named).or_else(|| synonym(name))
 }
 
-/// What other texts call the same thing.
+/// The key that other texts call `key`.
 fn synonym(name: &str) -> Option<Key> {
     match name {
         "hamiltonian" | "energy" | "h" | "H" | "h0" | "H0" => Some(Key::Drift),

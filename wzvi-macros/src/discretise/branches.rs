@@ -1,11 +1,13 @@
 //! Continuity of piecewise Hamiltonians and of their slopes across branch boundaries.
 //!
-//! On `d = 0`, the boundary of a comparison `a < b` with `d = a - b`, the values of the Hamiltonian with this comparison true
-//! and false are compared. If `d` is affine in a variable, the boundary gives that variable as a function of the others, and
-//! continuity means that an expression is zero. Other boundaries are crossed on random lines, which can find a jump and cannot exclude one ([`Sides`]).
+//! On `d = 0`, the boundary of a comparison `a < b` with `d = a - b`, the values of the Hamiltonian with this
+//! comparison true and false are compared. If `d` is affine in a variable, the boundary gives that variable
+//! as a function of the others, and continuity means that an expression is zero. Other boundaries are crossed
+//! on random lines, which can find a jump and cannot exclude one ([`Sides`]).
 //!
-//! Functions whose value jumps or is infinite on a surface inside their domain have boundaries, too: `signum`, the cut of `atan2`, the poles of `tan` and of
-//! powers with negative exponents. A pole matters where another function hides it, as in `atan(1/q)`.
+//! Functions whose value jumps or is infinite on a surface inside their domain have boundaries, too:
+//! `signum`, the cut of `atan2`, the poles of `tan` and of powers with negative exponents. A pole matters
+//! where another function hides it, as in `atan(1/q)`.
 
 use std::collections::{HashMap, HashSet};
 
@@ -121,7 +123,8 @@ fn exceeds_its_oscillations(graph: &Graph, expr: Expr) -> bool {
     rest.is_some_and(|rest| !rest.is_negative() && !rest.is_zero())
 }
 
-/// The boundary of a part of `value`; `None` if it decides nothing, or nothing of the state, or has no effect.
+/// The boundary of a part of `value`; `None` if it decides nothing, or nothing of the state, or has no
+/// effect.
 fn boundary(graph: &mut Graph, value: Expr, part: Expr, state: &[Symbol]) -> Option<Boundary> {
     let Decision { compared, sides, negative, may_jump } = decision(graph, part)?;
     let [left, right] = compared;
@@ -159,7 +162,8 @@ fn boundary(graph: &mut Graph, value: Expr, part: Expr, state: &[Symbol]) -> Opt
     Some(Boundary { place, surface, crossing })
 }
 
-/// Sines, cosines and tangents of an integer multiple of `angle` plus something else, with `turn` for the angle: a whole turn does not change them.
+/// Sines, cosines and tangents of an integer multiple of `angle` plus something else, with `turn` for the
+/// angle: a whole turn does not change them.
 fn of_whole_turns(graph: &mut Graph, value: Expr, angle: Expr, turn: Expr) -> HashMap<Expr, Expr> {
     let mut images = HashMap::new();
     for part in graph.reachable(&[value]) {
@@ -219,7 +223,8 @@ fn crossing(
     if is_smooth { Crossing::Smooth } else { Crossing::Kink }
 }
 
-/// A jump that was found at some values of the fields: a sum of terms with fields may vanish at others, as the shift of a potential at its cut-off does.
+/// A jump that was found at some values of the fields: a sum of terms with fields may vanish at others, as
+/// the shift of a potential at its cut-off does.
 fn jump_of(graph: &Graph, jump: Expr, witness: Witness, state: &[Symbol]) -> Crossing {
     let reads_fields = graph.symbols_in(jump).iter().any(|symbol| !state.contains(symbol));
     match reads_fields && !is_monomial(graph, jump) {
@@ -356,7 +361,8 @@ mod tests {
         );
         states("|q, p| 0.5 * p * p + q.max(a)", &[KEPT, kink], &polynomial);
         states("|q, p| 0.5 * p * p + (q * q + p * p).min(a)", &[KEPT, "its slope jumps"], &polynomial);
-        // Both sides are affine with the same slope, and so is neither the surface nor the step: at -1/2 and 0, H0 jumps.
+        // Both sides are affine with the same slope, and so is neither the surface nor the step: at -1/2 and
+        // 0, H0 jumps.
         let nested = "|q, p| 0.5 * p * p + if (if q > 0.0 { q } else { q + 1.0 }) > 0.5 { q } else { 0.5 }";
         states(nested, &["else 1 + q = 1/2, H0 jumps", "where q = 0, H0 jumps"], &polynomial);
     }

@@ -1,4 +1,5 @@
-//! The derivation as text, for `EQUATIONS` and the rustdoc of the struct.
+//! The derivation as text, for `EQUATIONS` and the rustdoc of the struct. Tests: the golden expansions
+//! (`compile/golden_tests.rs`).
 
 /// Adds a line to a text.
 macro_rules! say {
@@ -32,7 +33,7 @@ pub(crate) fn derivation(graph: &mut Graph, scheme: &Scheme) -> String {
 pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
     let numbers = system.noise_numbers();
     let line = system.line.clone().filter(|_| system.form == Form::StraightLines);
-    let System { graph, drift, parts, noise, force, conformal, conversion, names, .. } = system;
+    let System { graph, drift, summands: parts, noise, force, conformal, conversion, names, .. } = system;
     let text = &mut String::new();
     let value =
         |graph: &mut Graph, term: &Term| facts.space.display(graph, &unweighted(&term.values), Rational::ONE);
@@ -176,18 +177,18 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
     let [_, noise_l] = embedding.means();
     let has_noise = facts.noise != NoiseClass::None;
     if has_noise {
-        let defect = facts.defect(graph, &facts.half_defect, noise_l);
+        let defect = facts.defect(graph, &facts.noise_contraction, noise_l);
         let verdict = if facts.converges(embedding) {
             "converges to the Stratonovich system"
         } else {
-            match facts.half_defect.known {
+            match facts.noise_contraction.known {
                 Knowledge::Unknown(_) => "is not known to converge to the Stratonovich system",
                 _ => "converges to another system, with drift Hamiltonian H0 - D",
             }
         };
         say!(text, "  {verdict}; D = {defect}");
         if facts.force_defect_acts(noise_l) {
-            let defect = facts.defect(graph, &facts.half_force_defect, noise_l);
+            let defect = facts.defect(graph, &facts.force_contraction, noise_l);
             say!(text, "  noise forces add the force d, d·δq = {defect}");
         }
         if !embedding.is_thermostat() {
@@ -224,11 +225,12 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
     }
 }
 
-/// The diagram of the Wong-Zakai approximation: `X` is the Stratonovich system, `X_ε` that of `H0 + Σ_k H_k dW_{ε,k}/dt`, and `n` marks the scheme,
-/// driven by the increments of `W_ε` or of `W`. For a smooth `W_ε` every scheme is consistent, and at fixed `h` the increments converge: only the
-/// last arrow depends on the quadrature.
+/// The diagram of the Wong-Zakai approximation: `X` is the Stratonovich system, `X_ε` that of
+/// `H0 + Σ_k H_k dW_{ε,k}/dt`, and `n` marks the scheme, driven by the increments of `W_ε` or of `W`. For a
+/// smooth `W_ε` every scheme is consistent, and at fixed `h` the increments converge: only the last arrow
+/// depends on the quadrature.
 fn limits(facts: &Facts, embedding: &Embedding, text: &mut String) {
-    let last = match (facts.converges(embedding), &facts.half_defect.known) {
+    let last = match (facts.converges(embedding), &facts.noise_contraction.known) {
         (true, _) => "X: asymptotically preserving",
         (false, Knowledge::Unknown(_)) => "X is not known",
         (false, _) => "the system with H0 - D, not X: not asymptotically preserving",
@@ -261,9 +263,9 @@ fn quadrature(embedding: &Embedding, text: &mut String) {
     }
 }
 
-/// The change of the energy along the motion and along steps. Symplectic steps without noise follow the flow of a Hamiltonian
-/// that differs by the order of the scheme (Hairer, Lubich, Wanner, Geometric Numerical Integration, IX.8): its error does not
-/// grow.
+/// The change of the energy along the motion and along steps. Symplectic steps without noise follow the flow
+/// of a Hamiltonian that differs by the order of the scheme (Hairer, Lubich, Wanner, Geometric Numerical
+/// Integration, IX.8): its error does not grow.
 fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
     let is_smooth = facts.boundaries[0].iter().all(|known| matches!(known.crossing, Crossing::Smooth));
     let has_noise = facts.noise != NoiseClass::None;

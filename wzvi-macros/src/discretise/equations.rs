@@ -6,6 +6,8 @@
 //! p_i = -D_1 L_d     :  v = φ_v = P + D_1 L_d
 //! p_{i+1} = D_2 L_d  :  p_{i+1} - p_i = v + (D_2 L_d - P)
 //! ```
+//!
+//! Tests: `tests/steps/reference.rs`.
 
 use crate::diagnostics::promised;
 use crate::discretise::DiscreteLagrangian;
@@ -53,8 +55,9 @@ impl Equations {
     }
 }
 
-/// With one quadrature point `l < 1`, `φ_v = -(1-l) F_q` and `D_2 L_d - P = -l F_q`, so the update is `v / (1-l)`.
-/// With several, the same may still hold for one degree of freedom: every `l` is tried on the expressions themselves.
+/// With one quadrature point `l < 1`, `φ_v = -(1-l) F_q` and `D_2 L_d - P = -l F_q`, so the update is
+/// `v / (1-l)`. With several, the same may still hold for one degree of freedom: every `l` is tried on the
+/// expressions themselves.
 fn momentum_update(
     graph: &mut Graph,
     lagrangian: &DiscreteLagrangian,

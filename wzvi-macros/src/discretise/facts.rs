@@ -1,12 +1,13 @@
 //! Facts about the continuous system: consistency, first integrals, commuting noises, the class of the noise.
-//! They are proven for sums of elements, at all sizes.
+//! They are proven for sums of elements, at all sizes. Tests: `tests/steps/plan.rs`,
+//! `discretise/sums/tests.rs`.
 
 use self::forces::{Forces, commuting_forces};
-use self::form::{Form, coupled_degrees, has_constant_curvature};
+use self::form::{PreservedForm, coupled_degrees, has_constant_curvature};
 use self::invariants::invariant;
 use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
-use super::sums::{Calculus, Increments, Judged, Space, Sum, unweighted, weighted};
+use super::sums::{Calculus, Increments, KnownSum, Space, Sum, unweighted, weighted};
 use crate::diagnostics::{Extent, promised};
 use crate::embedding::{Correction, Embedding};
 use crate::model::{Atom, Element, Half, Index, Reads, System, Term};
@@ -54,27 +55,31 @@ pub(crate) struct Facts {
     pub(crate) is_separable: bool,
     /// Whether no element couples two momenta.
     pub(crate) has_diagonal_kinetic_energy: bool,
-    /// `Σ_k ∂H_k/∂q · ∂H_k/∂p`, and whether it is constant on phase space: the defect of a scheme is `D = (1/2 - l)` times it.
-    pub(crate) half_defect: Judged,
-    /// `Σ_k (f_k · ∂/∂p) f_k · δq` of the noise forces, and whether it vanishes: their defect is `1/2 - l` times it.
-    pub(crate) half_force_defect: Judged,
-    /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`, of which `Corrected` adds `1/2 - l` times, and whether it is constant for all
-    /// increments: then the counter-term has no effect.
-    pub(crate) counter_term: Judged,
+    /// `Σ_k ∂H_k/∂q · ∂H_k/∂p`, and whether it is constant on phase space. The defect of a scheme is `D`,
+    /// `1/2 - l` times this contraction.
+    pub(crate) noise_contraction: KnownSum,
+    /// `Σ_k (f_k · ∂/∂p) f_k · δq` of the noise forces, and whether it vanishes: their defect is `1/2 - l`
+    /// times it.
+    pub(crate) force_contraction: KnownSum,
+    /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`, of which `Corrected` adds `1/2 - l` times, and whether it is
+    /// constant for all increments: then the counter-term has no effect.
+    pub(crate) counter_term: KnownSum,
     pub(crate) energy: Energy,
     /// The form of the drift.
-    pub(crate) energy_form: Form,
+    pub(crate) energy_form: PreservedForm,
     /// Where branches of the drift and of each noise meet.
     pub(crate) boundaries: Vec<Vec<Boundary>>,
     pub(crate) commuting: Knowledge,
-    /// Whether centred steps of order two, for multiplicative noise of order four, are proven to have weak order two.
+    /// Whether centred steps of order two, for multiplicative noise of order four, are proven to have weak
+    /// order two.
     pub(crate) has_weak_order_two: bool,
     /// The suffix of `H` for each noise or family.
     pub(crate) numbers: Vec<String>,
     /// Whether there is more than one noise, or a family of them.
     pub(crate) has_several_noises: bool,
     pub(crate) invariants: Vec<Invariant>,
-    /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
+    /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor
+    /// increments.
     pub(crate) has_constant_curvature: bool,
     /// The most degrees of freedom of one point that depend on each other, if elements couple no points.
     pub(crate) coupled_degrees: Option<usize>,
@@ -110,13 +115,14 @@ impl Hamiltonians {
     }
 }
 
-/// The drift, the noises and noise forces times their increments, and the force, with the elements of each term that `of` picks.
+/// The drift, the noises and noise forces times their increments, and the force, with the elements of each
+/// term that `of` picks.
 pub(crate) fn summed(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> [Sum; 3] {
     let Hamiltonians { drift, noise, forces, .. } = Hamiltonians::of(system, of);
     [drift, [noise.concat(), forces.noise.concat()].concat(), forces.force]
 }
 
-/// What is known of the energy `H_0` along the motion.
+/// The energy `H_0` along the motion: its rates, and whether it is a first integral.
 pub(crate) struct Energy {
     /// `{H_k, H_0}` per noise or family.
     pub(crate) rates: Vec<Sum>,
@@ -126,12 +132,13 @@ pub(crate) struct Energy {
     pub(crate) is_kept: Knowledge,
     /// Whether jumps of `H_0` are the only known reason why it is not.
     pub(crate) only_jumps: bool,
-    /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified energy.
+    /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified
+    /// energy.
     pub(crate) is_conservative: bool,
 }
 
 impl Energy {
-    /// And where branches of the drift and of each noise meet.
+    /// The facts on the energy, and the boundaries of branches.
     fn of(sums: &mut Calculus<'_>, of: &Hamiltonians) -> (Self, Vec<Vec<Boundary>>) {
         let Hamiltonians { drift, noise, forces, t, .. } = of;
         let explicit = sums.partial(drift, *t);
@@ -143,7 +150,7 @@ impl Energy {
             let rate = sums.bracket(one, drift);
             sums.vanishes(rate, Increments::Each)
         });
-        let rates: Vec<Judged> = rates.collect();
+        let rates: Vec<KnownSum> = rates.collect();
         let found = powers.iter().map(|(_, power)| power).chain(&rates).map(|judged| judged.known.clone());
         let of_sums = [drift].into_iter().chain(noise);
         let boundaries: Vec<_> = of_sums.map(|sum| boundaries_of(sums.graph, sum, *t)).collect();
@@ -156,7 +163,7 @@ impl Energy {
         let said =
             powers.into_iter().filter_map(|(said, power)| Some((said?, power.sum.unwrap_or_default())));
         // A vanishing rate is printed as zero, not as a difference of equal terms.
-        let printed = |rate: Judged| rate.sum.filter(|_| !rate.known.is_proven()).unwrap_or_default();
+        let printed = |rate: KnownSum| rate.sum.filter(|_| !rate.known.is_proven()).unwrap_or_default();
         let rates = rates.into_iter().map(printed).collect();
         (Self { rates, powers: said.collect(), is_kept, only_jumps, is_conservative }, boundaries)
     }
@@ -174,18 +181,20 @@ impl Facts {
         let declared: Vec<(Extent, String, Sum)> = declared.collect();
         let sums = &mut Calculus { space: &mut space, graph: &mut system.graph };
         let driven: Sum = noise.concat();
-        let [half_defect, counter_term] = [Increments::Diagonal, Increments::Together].map(|increments| {
-            let product = sums.contract((&driven, Half::Coordinates), (&driven, Half::Momenta), increments);
-            sums.is_constant(product, increments)
-        });
+        let [noise_contraction, counter_term] =
+            [Increments::Diagonal, Increments::Together].map(|increments| {
+                let product =
+                    sums.contract((&driven, Half::Coordinates), (&driven, Half::Momenta), increments);
+                sums.is_constant(product, increments)
+            });
         let (energy, boundaries) = Energy::of(sums, &hamiltonians);
         let class = noise_class(sums.graph, &noises);
         let energy_form = match energy.is_kept {
             Knowledge::Proven => invariants::form_of(sums, &hamiltonians, drift),
-            _ => Form::NONE,
+            _ => PreservedForm::NONE,
         };
         let has_several_noises = system.noise.len() > 1 || noise.iter().chain(&forces.noise).any(is_family);
-        // Their brackets are those of the pieces.
+        // The brackets of piecewise noises are the brackets of their pieces.
         let jumps = hamiltonians.numbers.iter().zip(&boundaries[1..]).flat_map(|(number, boundaries)| {
             boundaries.iter().map(move |boundary| kept_across(&format!("H{number}"), boundary))
         });
@@ -204,8 +213,8 @@ impl Facts {
             has_diagonal_kinetic_energy: acting.iter().all(|element| {
                 element.reads().q || element.is_covector() || is_diagonal(sums.graph, element)
             }),
-            half_defect,
-            half_force_defect: forces.defect(sums),
+            noise_contraction,
+            force_contraction: forces.defect(sums),
             counter_term,
             energy,
             energy_form,
@@ -225,14 +234,16 @@ impl Facts {
         }
     }
 
-    /// Whether noises at a quadrature point `l`, or at several with this mean, give the Stratonovich limit: `D` is constant.
+    /// Whether noises at a quadrature point `l`, or at several with this mean, give the Stratonovich limit:
+    /// `D` is constant.
     pub(crate) fn is_consistent(&self, l: Rational) -> bool {
-        l == Rational::HALF || self.half_defect.known.is_proven() && self.half_force_defect.known.is_proven()
+        l == Rational::HALF
+            || self.noise_contraction.known.is_proven() && self.force_contraction.known.is_proven()
     }
 
     /// Whether noise forces at quadrature point `l` need a correction.
     pub(crate) fn force_defect_acts(&self, l: Rational) -> bool {
-        l != Rational::HALF && !self.half_force_defect.known.is_proven()
+        l != Rational::HALF && !self.force_contraction.known.is_proven()
     }
 
     /// Whether the limit of the scheme is the Stratonovich system.
@@ -240,14 +251,14 @@ impl Facts {
         embedding.correction() == Correction::Corrected || self.is_consistent(embedding.means()[1])
     }
 
-    /// Whether the counter-term changes a scheme whose noises are at `l`. It may even if `D` is constant: its mixed
-    /// products do not affect the limit, but without them commuting noises lose half an order.
+    /// Whether the counter-term changes a scheme whose noises are at `l`. It may even if `D` is constant: its
+    /// mixed products do not affect the limit, but without them commuting noises lose half an order.
     pub(crate) fn counter_term_acts(&self, l: Rational) -> bool {
         l != Rational::HALF && !self.counter_term.known.is_proven()
     }
 
     /// A defect as text: `1/2 - l` times one of these sums.
-    pub(crate) fn defect(&self, graph: &mut Graph, half: &Judged, l: Rational) -> String {
+    pub(crate) fn defect(&self, graph: &mut Graph, half: &KnownSum, l: Rational) -> String {
         let weight = promised(Rational::HALF.add(l.negate()), "quadrature points are fractions of 32 bits");
         match &half.sum {
             Some(half) if !weight.is_zero() => self.space.display(graph, half, weight),

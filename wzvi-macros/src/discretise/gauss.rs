@@ -5,23 +5,28 @@
 //! V_j = ∂F/∂P_j,   P_j = p_i - Σ_k a_jk ∂F/∂Q_k
 //! ```
 //!
-//! A step needs only the slopes of `F` (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.6.4).
+//! A step needs only the slopes of `F` (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem
+//! VI.6.4).
+//!
+//! Tests: `tests/steps/gauss.rs`.
 
 use crate::model::StraightLine;
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// The slopes of the step Hamiltonian in the symbols of the phase space, `h` and `ΔW`.
-pub(crate) struct StepSlopes {
+pub(crate) struct StepGradient {
     pub(crate) h: Symbol,
     pub(crate) dw: Vec<Symbol>,
     pub(crate) by_q: Vec<Expr>,
     pub(crate) by_p: Vec<Expr>,
-    /// Entries of the matrix `K` where `V = q · K q / 2 + U(q, t)` with constant `K`, in Nyström form: row, column, value.
+    /// Entries of the matrix `K` where `V = q · K q / 2 + U(q, t)` with constant `K`, in Nyström form: row,
+    /// column, value.
     pub(crate) stiffness: Vec<(usize, usize, Expr)>,
 }
 
-impl StepSlopes {
-    /// `is_nystrom`: whether `F` is a constant quadratic form of the momenta plus a function of coordinates and time, and forces read no momenta.
+impl StepGradient {
+    /// `is_nystrom`: whether `F` is a constant quadratic form of the momenta plus a function of coordinates
+    /// and time, and forces read no momenta.
     pub(crate) fn new(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> Self {
         let noises = line.noises();
         let h = graph.new_symbol("h");
@@ -54,8 +59,8 @@ impl StepSlopes {
     }
 }
 
-/// The constant terms of the second derivatives of the drift by the coordinates. Any matrix may be split off; with this one the remainder
-/// has no quadratic terms.
+/// The constant terms of the second derivatives of the drift by the coordinates. Any matrix may be split off;
+/// with this one the remainder has no quadratic terms.
 fn stiffness(graph: &mut Graph, line: &StraightLine) -> Vec<(usize, usize, Expr)> {
     let StraightLine { phase, drift, .. } = line;
     let moving: Vec<Symbol> = phase.q.iter().chain(&phase.p).chain([&phase.t]).copied().collect();

@@ -6,9 +6,12 @@
 //! u = q_{i+1} - q_i,   Q_l = q_i + l u,   T_l = t_i + l h,   l = l_m
 //! ```
 //!
-//! Forces do the virtual work `Σ_s f(P, Q_s, T_s) · δQ_s`, so that `(1 - l) f` and `l f` are added to `D_1 L_d` and `D_2 L_d`. Friction of one
-//! rate `γ` is absorbed by the momentum `π = e^{γ (t - t_i)} p`, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian: with `L_d` of `K`,
-//! `p_i = -D_1 L_d` and `p_{i+1} = e^{-γ h} D_2 L_d`, and the step multiplies the symplectic form by `e^{-γ h}`.
+//! Forces do the virtual work `Σ_s f(P, Q_s, T_s) · δQ_s`, so that `(1 - l) f` and `l f` are added to
+//! `D_1 L_d` and `D_2 L_d`. Friction of one rate `γ` is absorbed by the momentum `π = e^{γ (t - t_i)} p`, for
+//! which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian: with `L_d` of `K`, `p_i = -D_1 L_d` and
+//! `p_{i+1} = e^{-γ h} D_2 L_d`, and the step multiplies the symplectic form by `e^{-γ h}`.
+//!
+//! Tests: `tests/steps/reference.rs`.
 
 use std::collections::HashMap;
 
@@ -119,7 +122,8 @@ impl StepSymbols {
         self.momentum.len()
     }
 
-    /// `∂/∂q_i = -∂/∂u + Σ_l (1 - l) ∂/∂Q_l` and `∂/∂q_{i+1} = ∂/∂u + Σ_l l ∂/∂Q_l`, with the virtual work of the forces at the stages.
+    /// `∂/∂q_i = -∂/∂u + Σ_l (1 - l) ∂/∂Q_l` and `∂/∂q_{i+1} = ∂/∂u + Σ_l l ∂/∂Q_l`, with the virtual work of
+    /// the forces at the stages.
     fn by_node(
         &self,
         graph: &mut Graph,
@@ -159,7 +163,8 @@ impl PlacedLine<'_> {
         Some(graph.apply(function, &[exponent]))
     }
 
-    /// The images of phase-space symbols at a stage, with momenta divided by the scale `e^{γ l h}`, and that scale.
+    /// The images of phase-space symbols at a stage, with momenta divided by the scale `e^{γ l h}`, and that
+    /// scale.
     fn at(&self, graph: &mut Graph, stage: &StageSymbols) -> (HashMap<Symbol, Expr>, Option<Expr>) {
         let is_there = !stage.at.l.is_zero();
         let scale = is_there.then(|| self.exponential(graph, stage.at.l, Function::Exp)).flatten();

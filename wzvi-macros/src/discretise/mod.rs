@@ -24,13 +24,13 @@ pub(crate) use self::facts::kinetic::Kinetic;
 pub(crate) use self::facts::{
     Facts, Failure, Invariant, NoiseClass, has_constant_forces, is_quadratic, split, summed,
 };
-pub(crate) use self::gauss::StepSlopes;
+pub(crate) use self::gauss::StepGradient;
 pub(crate) use self::lagrangian::{DiscreteLagrangian, StepSymbols};
 pub(crate) use self::parts::{PartElements, family_of, parts_of, scale_momenta};
 pub(crate) use self::plan::{Step, Strategy, Unknowns};
 pub(crate) use self::quadrature::{Part, Quadrature, Stage};
 pub(crate) use self::structure::{Block, Dependencies, Pivot, Solution, Unknown, increment};
-pub(crate) use self::sums::{Calculus, Increments, Judged, Space, Sum, Weighted, unweighted, weighted};
+pub(crate) use self::sums::{Calculus, Increments, KnownSum, Space, Sum, Weighted, unweighted, weighted};
 
 use self::structure::Structure;
 use crate::embedding::Embedding;

@@ -1,5 +1,6 @@
-//! The first terms, as text, of the modified Hamiltonian that steps without noise and explicit time follow (backward error analysis; E. Hairer,
-//! C. Lubich, G. Wanner, *Geometric Numerical Integration*, chapter IX; the run time finds the same terms for compositions).
+//! The first terms, as text, of the modified Hamiltonian that steps without noise and explicit time follow
+//! (backward error analysis; E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, chapter IX;
+//! the run time finds the same terms for compositions).
 //!
 //! ```text
 //! H~ = H + h a H_p · H_q + h² (b H_pp(H_q, H_q) + c H_qq(H_p, H_p) + d H_pq(H_q, H_p))
@@ -8,7 +9,8 @@
 //! Verlet:                  a = 0,  b = -1/24,  c = d = 1/12
 //! ```
 //!
-//! With `K = H_p · H_q` and `T(p) + V(q)` the last one vanishes, and the other two are `K_p · H_q` and `K_q · H_p`.
+//! With `K = H_p · H_q` and `T(p) + V(q)` the last one vanishes, and the other two are `K_p · H_q` and
+//! `K_q · H_p`.
 
 use super::facts::Facts;
 use super::sums::{Calculus, Increments};
@@ -18,12 +20,12 @@ use crate::symbolic::{Graph, Rational, signed};
 
 /// `a`, and `b`, `c`, `d`.
 #[derive(Debug, PartialEq)]
-struct Terms {
+struct Coefficients {
     first: Rational,
     second: [Rational; 3],
 }
 
-impl Terms {
+impl Coefficients {
     /// `None` for schemes with several stages.
     fn of(embedding: &Embedding) -> Option<Self> {
         let fraction = |numerator, denominator| Rational::new(numerator, denominator);
@@ -51,7 +53,7 @@ const SECOND: [&str; 3] = ["H_pp(H_q,H_q)", "H_qq(H_p,H_p)", "H_pq(H_q,H_p)"];
 pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> Option<String> {
     // The expansion assumes a smooth function; the brackets are those of one piece.
     let has_one = facts.energy.is_conservative && facts.boundaries[0].is_empty();
-    let Terms { first, second } = Terms::of(embedding).filter(|_| has_one)?;
+    let Coefficients { first, second } = Coefficients::of(embedding).filter(|_| has_one)?;
     let edge = format!("h {FIRST}");
     let first_order = [(Rational::ONE, "H0"), (first, &edge)];
     let second_order = SECOND.iter().zip(second).take(if facts.is_separable { 2 } else { 3 });
@@ -99,14 +101,14 @@ mod tests {
     fn terms_are_those_of_known_schemes() {
         let of = |numbers: [(i128, i128); 4]| {
             let [a, b, c, d] = numbers.map(|(over, under)| Rational::new(over, under).unwrap());
-            Some(Terms { first: a, second: [b, c, d] })
+            Some(Coefficients { first: a, second: [b, c, d] })
         };
         // Hairer, Lubich, Wanner, example IX.3.4 (for the symplectic Euler method) and exercises.
-        assert_eq!(Terms::of(&Embedding::DeltaPlus), of([(-1, 2), (1, 12), (1, 12), (1, 3)]));
-        assert_eq!(Terms::of(&Embedding::DeltaMinus), of([(1, 2), (1, 12), (1, 12), (1, 3)]));
-        assert_eq!(Terms::of(&Embedding::Midpoint), of([(0, 1), (-1, 24), (-1, 24), (1, 12)]));
-        assert_eq!(Terms::of(&Embedding::Verlet), of([(0, 1), (-1, 24), (1, 12), (1, 12)]));
-        assert_eq!(Terms::of(&Embedding::Gauss(1)), Terms::of(&Embedding::Midpoint));
-        assert_eq!(Terms::of(&Embedding::Gauss(2)), None);
+        assert_eq!(Coefficients::of(&Embedding::DeltaPlus), of([(-1, 2), (1, 12), (1, 12), (1, 3)]));
+        assert_eq!(Coefficients::of(&Embedding::DeltaMinus), of([(1, 2), (1, 12), (1, 12), (1, 3)]));
+        assert_eq!(Coefficients::of(&Embedding::Midpoint), of([(0, 1), (-1, 24), (-1, 24), (1, 12)]));
+        assert_eq!(Coefficients::of(&Embedding::Verlet), of([(0, 1), (-1, 24), (1, 12), (1, 12)]));
+        assert_eq!(Coefficients::of(&Embedding::Gauss(1)), Coefficients::of(&Embedding::Midpoint));
+        assert_eq!(Coefficients::of(&Embedding::Gauss(2)), None);
     }
 }

@@ -1,5 +1,6 @@
-//! The parts of the step Hamiltonian as sums of elements, each with the increments that weigh it: `ℓ_e = -w c_e H_e(P, Q_l)`
-//! is an element of the discrete Lagrangian, and its slopes and curvatures are those of `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P`.
+//! The parts of the step Hamiltonian as sums of elements, each with the increments that weigh it:
+//! `ℓ_e = -w c_e H_e(P, Q_l)` is an element of the discrete Lagrangian, and its slopes and curvatures are
+//! those of `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P`.
 
 use std::collections::HashMap;
 
@@ -38,14 +39,16 @@ pub(crate) fn parts_of(system: &System, facts: &Facts) -> Vec<PartElements> {
     used.collect()
 }
 
-/// The loop variable that numbers the members of the family of noises of an element, each with its own increment.
+/// The loop variable that numbers the members of the family of noises of an element, each with its own
+/// increment.
 pub(crate) fn family_of(Weighted { element, increments }: &Weighted) -> Option<u32> {
     let [number] = increments.as_slice() else { return None };
     let outermost = element.loops.first()?.variable;
     number.loops().contains(&outermost).then_some(outermost)
 }
 
-/// The elements of `K = s H(q, p / s)` with `s = e^{γ (t - t_i)}` instead of those of `H`, and of `s f(q, p / s)` instead of those of a force.
+/// The elements of `K = s H(q, p / s)` with `s = e^{γ (t - t_i)}` instead of those of `H`, and of
+/// `s f(q, p / s)` instead of those of a force.
 pub(crate) fn scale_momenta(system: &mut System, parts: &mut [PartElements]) {
     let graph = &mut system.graph;
     let symbol = graph.new_symbol("s");

@@ -1,5 +1,5 @@
-//! The unknowns on which a scheme iterates. With `u = Δq`, `v = P - p_i`, the discrete Euler-Lagrange equations
-//! are
+//! The unknowns on which a scheme iterates. With `u = Δq`, `v = P - p_i`, the discrete Euler-Lagrange
+//! equations are
 //!
 //! ```text
 //! u = Σ_m c_m ∂H_m/∂p(P, Q_m),   v = -Σ_m (1 - l_m) c_m ∂H_m/∂q(P, Q_m),   Q_m = q_i + l_m u,   P = p_i + v

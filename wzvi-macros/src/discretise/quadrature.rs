@@ -1,15 +1,18 @@
-//! The points at which the discrete Lagrangian evaluates each part: the common source of the straight-line step, the sweep over elements
-//! and the text.
+//! The points at which the discrete Lagrangian evaluates each part: the common source of the straight-line
+//! step, the sweep over elements and the text.
 //!
 //! ```text
 //! L_d = P · u - Σ_s Σ_m w_m F_m(P, Q_s, T_s),   u = q_{i+1} - q_i
 //! Q_s = q_i + l u,   ∂Q_s/∂q_i = 1 - l,   ∂Q_s/∂q_{i+1} = l,   T_s = t_i + l h
 //! ```
 //!
-//! The parts `F_m` of the step Hamiltonian differ in their increments, and are evaluated at one point or [several](crate::embedding::Points). A force is not
-//! part of `L_d` but does virtual work at its stage: by the Lagrange-d'Alembert principle `∂F/∂q - f` replaces `∂F/∂q` (J. E. Marsden, M. West, "Discrete
-//! mechanics and variational integrators", Acta Numerica 2001, section 3.2). `Corrected` adds the increment form of the counter-term, at the quadrature points
-//! of the noise.
+//! The parts `F_m` of the step Hamiltonian differ in their increments, and are evaluated at one point or
+//! [several](crate::embedding::Points). A force is not part of `L_d` but does virtual work at its stage: by
+//! the Lagrange-d'Alembert principle `∂F/∂q - f` replaces `∂F/∂q` (J. E. Marsden, M. West, "Discrete
+//! mechanics and variational integrators", Acta Numerica 2001, section 3.2). `Corrected` adds the increment
+//! form of the counter-term, at the quadrature points of the noise.
+//!
+//! Tests: `tests/steps/quadrature.rs`.
 
 use super::facts::{Facts, NoiseClass};
 use crate::diagnostics::promised;
@@ -94,7 +97,8 @@ impl Quadrature {
         parts.filter(move |(known, _)| *known == part).map(|&(_, weight)| weight)
     }
 
-    /// Whether `P` follows explicitly from the momenta at both ends: `v` is a multiple of their difference, or zero.
+    /// Whether `P` follows explicitly from the momenta at both ends: `v` is a multiple of their difference,
+    /// or zero.
     pub(crate) fn gives_momentum(&self) -> bool {
         self.momentum_update().is_some() || self.stages.iter().all(|stage| stage.l.is_one())
     }

@@ -1,8 +1,11 @@
 //! The order in which the unknowns of a step are solved, and the solution of each block.
 //!
-//! `u_i` and `v_i` are the vertices of a graph with an edge from each unknown to those its `φ` reads. Strongly
-//! connected components in topological order are the blocks. Within a block the iterates are a smallest set of
-//! unknowns that breaks every cycle; the others are assigned from them. For `T(p) + V(q)` these are `d` of `2d`.
+//! `u_i` and `v_i` are the vertices of a graph with an edge from each unknown to those its `φ` reads.
+//! Strongly connected components in topological order are the blocks. Within a block the iterates are a
+//! smallest set of unknowns that breaks every cycle; the others are assigned from them. For `T(p) + V(q)`
+//! these are `d` of `2d`.
+//!
+//! Tests: `tests/steps/plan.rs`.
 
 use std::collections::HashMap;
 
@@ -16,7 +19,8 @@ mod isolate;
 pub(crate) use blocks::Dependencies;
 pub(crate) use isolate::Pivot;
 
-/// The number of an unknown increment: of `u = q_{i+1} - q_i` its component, of `v = P - p_i` its component after all of `u`.
+/// The number of an unknown increment: of `u = q_{i+1} - q_i` its component, of `v = P - p_i` its component
+/// after all of `u`.
 pub(crate) type Unknown = usize;
 
 /// The solution of a block for its iterates `x`.
@@ -126,8 +130,9 @@ fn define_points(graph: &mut Graph, symbols: &StepSymbols, definitions: &mut Has
     }
 }
 
-/// The expression to scale and add to a state: the definition of an assigned increment if it is one product (which
-/// absorbs the factor), else its symbol, so that the terms of an increment are summed before the state is added.
+/// The expression to scale and add to a state: the definition of an assigned increment if it is one product
+/// (which absorbs the factor), else its symbol, so that the terms of an increment are summed before the state
+/// is added.
 pub(crate) fn increment(graph: &mut Graph, symbol: Symbol, definitions: &HashMap<Symbol, Expr>) -> Expr {
     let is_long = |node: &Node| match node {
         Node::Sum { terms, constant } => terms.len() > 1 || !constant.is_zero(),
@@ -217,7 +222,7 @@ impl<'a> BlockSolver<'a> {
         for &(unknown, speed) in speeds {
             for (view, weight) in self.symbols.views(unknown) {
                 let Self { graph, slopes, .. } = self;
-                let slope = *slopes.entry((expr, view)).or_insert_with(|| graph.curvature(expr, view));
+                let slope = *slopes.entry((expr, view)).or_insert_with(|| graph.hessian_entry(expr, view));
                 terms.push((self.graph.multiply(slope, speed), weight));
             }
         }

@@ -11,15 +11,15 @@ use crate::symbolic::Rational;
 /// The most letters that the run time takes.
 pub(crate) const MOST_LETTERS: usize = 24;
 
-/// What a letter stands for.
+/// The part of the system that a letter advances.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Kind {
+pub(crate) enum LetterKind {
     Drift,
     Kick,
     Bath,
 }
 
-impl Kind {
+impl LetterKind {
     pub(crate) const ALL: [Self; 3] = [Self::Drift, Self::Kick, Self::Bath];
 
     pub(crate) fn letter(self) -> &'static str {
@@ -34,7 +34,7 @@ impl Kind {
 /// A letter, with the share of the step that was given to it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Letter {
-    pub(crate) kind: Kind,
+    pub(crate) kind: LetterKind,
     pub(crate) share: Option<(u32, u32)>,
 }
 
@@ -47,12 +47,12 @@ impl Word {
     pub(crate) fn of(letters: &str) -> Self {
         let kinds = letters
             .chars()
-            .filter_map(|letter| Kind::ALL.into_iter().find(|kind| kind.letter().chars().eq([letter])));
+            .filter_map(|letter| LetterKind::ALL.into_iter().find(|kind| kind.letter().chars().eq([letter])));
         Self(kinds.map(|kind| Letter { kind, share: None }).collect())
     }
 
     /// Each letter, and how much of the step it lasts.
-    pub(crate) fn shares(&self) -> Vec<(Kind, Rational)> {
+    pub(crate) fn shares(&self) -> Vec<(LetterKind, Rational)> {
         let of_kind = |kind| self.0.iter().filter(|letter| letter.kind == kind).count();
         let share = |letter: &Letter| {
             let (n, d) =
@@ -63,15 +63,16 @@ impl Word {
     }
 
     /// The sum of the shares of a kind; `None` beyond the arithmetic of fractions.
-    pub(crate) fn total(&self, of: Kind) -> Option<Rational> {
+    pub(crate) fn total(&self, of: LetterKind) -> Option<Rational> {
         let mut shares = self.shares().into_iter().filter(|(kind, _)| *kind == of);
         shares.try_fold(Rational::ZERO, |sum, (_, share)| sum.add(share))
     }
 
-    /// Two if for each pair of different letters the products of shares of the one before the other add to one half, else one.
+    /// Two if for each pair of different letters the products of shares of the one before the other add to
+    /// one half, else one.
     pub(crate) fn order(&self) -> u32 {
         let shares = self.shares();
-        let sum = |x: Kind, y: Kind| {
+        let sum = |x: LetterKind, y: LetterKind| {
             let mut pairs = shares.iter().enumerate().flat_map(|(j, &(of, second))| {
                 let before = shares[..j].iter().filter(move |(kind, _)| *kind == x && of == y);
                 before.map(move |(_, first)| first.multiply(second))
@@ -79,16 +80,17 @@ impl Word {
             pairs.try_fold(Rational::ZERO, |sum, product| sum.add(product?))
         };
         let is_half = |x, y| x == y || sum(x, y) == Some(Rational::HALF);
-        if Kind::ALL.iter().all(|&x| Kind::ALL.iter().all(|&y| is_half(x, y))) { 2 } else { 1 }
+        if LetterKind::ALL.iter().all(|&x| LetterKind::ALL.iter().all(|&y| is_half(x, y))) { 2 } else { 1 }
     }
 
-    /// Whether no friction is between two drifts; those before the first friction of a step go on from those after the last one of the step before.
+    /// Whether no friction is between two drifts; those before the first friction of a step go on from those
+    /// after the last one of the step before.
     pub(crate) fn has_drifts_together(&self) -> bool {
-        let mut kinds: Vec<Kind> =
-            self.shares().iter().map(|&(kind, _)| kind).filter(|kind| *kind != Kind::Kick).collect();
+        let mut kinds: Vec<LetterKind> =
+            self.shares().iter().map(|&(kind, _)| kind).filter(|kind| *kind != LetterKind::Kick).collect();
         kinds.dedup();
         let ends_alike = kinds.len() > 1 && kinds.first() == kinds.last();
-        kinds.iter().skip(usize::from(ends_alike)).filter(|kind| **kind == Kind::Drift).count() <= 1
+        kinds.iter().skip(usize::from(ends_alike)).filter(|kind| **kind == LetterKind::Drift).count() <= 1
     }
 
     /// Whether it reads the same backwards.
@@ -141,12 +143,12 @@ mod tests {
         // AB: 2/3 · 3/4 = 1/2, and BA has the rest of one; without an O no product with it is one half.
         let letter = |kind, n, d| Letter { kind, share: Some((n, d)) };
         let word = Word(vec![
-            letter(Kind::Kick, 1, 4),
-            letter(Kind::Drift, 2, 3),
-            letter(Kind::Kick, 3, 4),
-            letter(Kind::Drift, 1, 3),
+            letter(LetterKind::Kick, 1, 4),
+            letter(LetterKind::Drift, 2, 3),
+            letter(LetterKind::Kick, 3, 4),
+            letter(LetterKind::Drift, 1, 3),
         ]);
-        let sums = [word.total(Kind::Drift), word.total(Kind::Kick)];
+        let sums = [word.total(LetterKind::Drift), word.total(LetterKind::Kick)];
         assert_eq!(sums, [Some(Rational::ONE); 2]);
         assert_eq!((word.order(), word.is_symmetric()), (1, false));
     }

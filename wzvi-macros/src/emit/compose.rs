@@ -1,4 +1,4 @@
-//! Schemes that compose steps of other schemes, or flows.
+//! Schemes that compose steps of other schemes, or flows. Tests: `tests/steps/composition.rs`.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -27,7 +27,7 @@ pub(super) fn structure(texts: &Texts) -> TokenStream {
 pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
     let mut generated = TokenStream::new();
     for (embedding, text) in &texts.listed {
-        let steps = match (embedding, embedding.parts().as_slice()) {
+        let steps = match (embedding, embedding.substeps().as_slice()) {
             (thermostat, _) if thermostat.is_thermostat() => self::thermostat(thermostat),
             (_, []) => continue,
             (_, [whole]) if whole == embedding => continue,

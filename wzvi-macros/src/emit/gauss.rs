@@ -1,10 +1,10 @@
-//! The slopes of the step Hamiltonian, once for all numbers of stages, for `Gauss<S>` and for the flows of `Verlet`
-//! and its compositions.
+//! The slopes of the step Hamiltonian, once for all numbers of stages, for `Gauss<S>` and for the flows of
+//! `Verlet` and its compositions. Tests: `tests/steps/gauss.rs`.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::names::Names;
+use super::names::Namer;
 use super::step::increment_names;
 use super::system::{
     Body, Environment, Read, count, evaluation, evaluation_over, parameter_names, state_names,
@@ -12,7 +12,7 @@ use super::system::{
 use super::terms;
 use super::{discretized, implementation};
 use crate::describe::Texts;
-use crate::discretise::{Facts, Flows, StepSlopes, is_nystrom};
+use crate::discretise::{Facts, Flows, StepGradient, is_nystrom};
 use crate::model::{Element, StraightLine, System};
 use crate::symbolic::{Expr, Graph};
 
@@ -31,8 +31,8 @@ pub(super) fn emit(system: &mut System, facts: &Facts, texts: &Texts) -> TokenSt
     generated
 }
 
-/// A number that is known, or not.
-pub(crate) fn shape(number: Option<usize>) -> TokenStream {
+/// The type of a length: fixed at compile time, or not.
+pub(crate) fn length_type(number: Option<usize>) -> TokenStream {
     match number.map(count) {
         Some(number) => quote!(__wzvi::gauss::Fixed<#number>),
         None => quote!(__wzvi::gauss::Dynamic),
@@ -43,17 +43,17 @@ pub(crate) fn shape(number: Option<usize>) -> TokenStream {
 fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenStream {
     let line = system.line_of_slopes();
     let line = line.as_deref();
-    let slopes = line.map(|line| slopes(&mut system.graph, line, is_nystrom));
+    let slopes = line.map(|line| gradient(&mut system.graph, line, is_nystrom));
     let reads_time = |element: &Element| system.graph.depends_on(element.value, &[system.t]);
     let in_lanes = line.is_some() || !system.acting().any(reads_time);
-    let noises = shape(line.map(StraightLine::noises));
+    let noises = length_type(line.map(StraightLine::noises));
     let reads_time = flows.is_some_and(|flows| flows.force_reads_time);
     let reads_time = reads_time.then(|| {
         quote!(
             const FORCE_READS_TIME: __wzvi::bool = true;
         )
     });
-    let in_windows = (flows.is_some() && line.is_none()).then(terms::in_windows);
+    let in_windows = (flows.is_some() && line.is_none()).then(terms::in_tiles);
     let (reads, functions) = slopes.unwrap_or_default();
     let (number, numbers) = (count(reads.len()), reads.iter().map(|read| count(read.number)));
     let (bool, tokens) = (quote!(__wzvi::bool), reads.iter().map(|read| &read.tokens));
@@ -84,10 +84,10 @@ fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenSt
 
 /// For a system in straight-line code: its parameters, the matrix of the linear force, and the slopes of
 /// `F = h H_0 + Σ_k ΔW_k H_k`.
-fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read>, TokenStream) {
-    let slopes = StepSlopes::new(graph, line, is_nystrom);
+fn gradient(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read>, TokenStream) {
+    let slopes = StepGradient::new(graph, line, is_nystrom);
     let phase = &line.phase;
-    let mut names = Names::default();
+    let mut names = Namer::default();
     let [q, p] = state_names(&mut names, graph, phase);
     let own = parameter_names(&mut names, graph, &line.parameters);
     let dw = increment_names(&mut names, slopes.dw.len());
@@ -132,7 +132,7 @@ fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read
 }
 
 /// The matrix of the linear part of the force, where there is one.
-fn stiffness(graph: &mut Graph, line: &StraightLine, slopes: &StepSlopes) -> TokenStream {
+fn stiffness(graph: &mut Graph, line: &StraightLine, slopes: &StepGradient) -> TokenStream {
     if slopes.stiffness.is_empty() {
         return TokenStream::new();
     }

@@ -1,4 +1,4 @@
-//! From equations to Rust: the struct as written and its traits, without unused code.
+//! From equations to Rust: the struct as written, and its traits.
 
 pub(crate) mod compose;
 mod gauss;
@@ -20,7 +20,7 @@ use crate::discretise::{Facts, Step};
 use crate::embedding::Embedding;
 use crate::model::System;
 
-pub(crate) use names::Names;
+pub(crate) use names::Namer;
 use names::readable;
 pub(crate) use print::{Printer, Rank, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
@@ -33,7 +33,8 @@ pub(crate) struct Expansion {
     pub(crate) implementations: TokenStream,
 }
 
-/// The struct as written, with documentation; and, in a scope of its own, the implementations: terms, elements and steps.
+/// The struct as written, with documentation; and, in a scope of its own, the implementations: terms,
+/// elements and steps.
 pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> Expansion {
     let mut generated = terms::terms(system, facts, steps, texts);
     let is_taken = texts.stepped();
@@ -66,8 +67,8 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
     Expansion { doc: documentation(texts), item: system.item.clone(), implementations }
 }
 
-/// The user's tokens in the implementations: the struct with its generics, and the tokens in `read`. Types of const
-/// generics are left out, as they are primitive.
+/// The user's tokens in the implementations: the struct with its generics, and the tokens in `read`. Types of
+/// const generics are left out, as they are primitive.
 fn with_header<'t>(item: &syn::ItemStruct, read: impl Iterator<Item = &'t TokenStream>) -> TokenStream {
     let parameters = item.generics.params.iter().map(|parameter| match parameter {
         syn::GenericParam::Const(constant) => constant.ident.to_token_stream(),

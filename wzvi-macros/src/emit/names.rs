@@ -23,13 +23,13 @@ pub(crate) fn plain(name: &str) -> &str {
     name.strip_prefix(OF_FORMULA).or_else(|| name.strip_prefix(MARK)).unwrap_or(name)
 }
 
-/// The distinct names of one function body.
+/// Gives the distinct names of one function body.
 #[derive(Clone, Default)]
-pub(crate) struct Names {
+pub(crate) struct Namer {
     taken: HashSet<String>,
 }
 
-impl Names {
+impl Namer {
     /// Reserves `name`.
     pub(crate) fn avoid(&mut self, name: &Ident) {
         self.taken.insert(name.to_string());
@@ -112,13 +112,13 @@ mod tests {
             ("", "__0x"),
         ];
         for (wish, name) in cases {
-            assert_eq!(Names::default().take(wish).to_string(), name);
+            assert_eq!(Namer::default().take(wish).to_string(), name);
         }
     }
 
     #[test]
     fn no_two_names_are_the_same() {
-        let taken = Names::default().take_all(["q", "q", "q0", "q[0]", "q"]);
+        let taken = Namer::default().take_all(["q", "q", "q0", "q[0]", "q"]);
         let taken: Vec<String> = taken.iter().map(ToString::to_string).collect();
         assert_eq!(taken, ["__0q", "__0q2", "__0q0", "__0q0_2", "__0q3"]);
     }

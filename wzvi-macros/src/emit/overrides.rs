@@ -1,4 +1,5 @@
-//! Structs of the run time with the fields that differ from their usual values: `Facts { noise: ..., ..usual }`.
+//! Structs of the run time with the fields that differ from their usual values:
+//! `Facts { noise: ..., ..usual }`.
 //!
 //! A misspelled field does not compile here. A test compares the fields with those of the run time.
 

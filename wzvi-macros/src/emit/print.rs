@@ -1,11 +1,12 @@
-//! Operations as Rust tokens: shared values get a name, the rest is inlined.
+//! Operations as Rust tokens: shared values get a name, the rest is inlined. Tests:
+//! `tests/steps/accuracy.rs`, and the golden expansions (`compile/golden_tests.rs`).
 
 use std::collections::{HashMap, HashSet};
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
-use super::names::{Names, plain};
+use super::names::{Namer, plain};
 use super::program::{Level, Op, Operation, Program};
 use crate::diagnostics::internal::broken;
 use crate::symbolic::{Function, Junction};
@@ -17,7 +18,7 @@ const LONGEST_NAME: usize = 20;
 
 /// The precedence of an expression.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Binding {
+enum Precedence {
     /// An `if` or a comparison.
     Whole,
     Sum,
@@ -51,7 +52,7 @@ pub(crate) struct Printer<'p> {
     lifted: HashMap<Op, Rank>,
     bound: HashMap<Op, Ident>,
     hints: &'p HashMap<Op, String>,
-    names: Names,
+    names: Namer,
     /// Operations named by their kind, which is not used within other names.
     plain: HashSet<Op>,
 }
@@ -62,19 +63,21 @@ impl<'p> Printer<'p> {
         program: &'p Program,
         scalar: TokenStream,
         hints: &'p HashMap<Op, String>,
-        names: Names,
+        names: Namer,
     ) -> Self {
         let (readers, bound, lifted, plain) = Default::default();
         Self { program, scalar, constant: f64_type(), readers, lifted, bound, hints, names, plain }
     }
 
-    /// The same with `constants` of the type `constant`, also used for values computed from them before the state is known.
+    /// The printer with `constants` of the type `constant`, and values computed from them before the state is
+    /// known.
     pub(crate) fn with_constants(mut self, constants: &[Op], constant: TokenStream) -> Self {
         (self.constant, self.readers) = (constant, self.program.readers_of(constants));
         self
     }
 
-    /// `let` statements for values that do not read the state, in the scalar type, whose own type of constants they are computed in; truths are `bool`.
+    /// Binds values that do not read the state: computed as constants, then converted to the scalar type.
+    /// Truths are `bool`.
     pub(crate) fn lift(&mut self, ops: &[Op]) -> TokenStream {
         let mut statements = self.bind(ops, &self.program.uses(ops), &|_| false);
         let lift = |&op: &Op| match (self.value(op), &self.scalar) {
@@ -169,7 +172,8 @@ impl<'p> Printer<'p> {
         }
     }
 
-    /// `let` statements for shared values of `roots`; `uses` counts operands, and `forced` operations always get a name.
+    /// `let` statements for shared values of `roots`; `uses` counts operands, and `forced` operations always
+    /// get a name.
     pub(crate) fn bind(&mut self, roots: &[Op], uses: &[u32], forced: &dyn Fn(Op) -> bool) -> TokenStream {
         let needed = {
             let bound = &self.bound;
@@ -225,9 +229,9 @@ impl<'p> Printer<'p> {
         self.lifted(op, Rank::Scalar)
     }
 
-    /// The same as a factor of a product.
+    /// The value of `op` in the scalar type, as a factor of a product.
     pub(crate) fn scalar_factor(&self, op: Op) -> TokenStream {
-        if self.is_scalar(op) { self.at_least(op, Binding::Product) } else { self.scalar_value(op) }
+        if self.is_scalar(op) { self.at_least(op, Precedence::Product) } else { self.scalar_value(op) }
     }
 
     /// The value of `op`, which does not read the state, as an expression of the type of constants.
@@ -276,7 +280,7 @@ impl<'p> Printer<'p> {
     }
 
     fn atom(&self, op: Op) -> TokenStream {
-        self.at_least(op, Binding::Atom)
+        self.at_least(op, Precedence::Atom)
     }
 
     /// The receiver of a method: literals get a type suffix there.
@@ -292,59 +296,59 @@ impl<'p> Printer<'p> {
         }
     }
 
-    fn at_least(&self, op: Op, binding: Binding) -> TokenStream {
+    fn at_least(&self, op: Op, binding: Precedence) -> TokenStream {
         let (value, own) = self.print(op);
         if own >= binding { value } else { quote!((#value)) }
     }
 
-    fn print(&self, op: Op) -> (TokenStream, Binding) {
+    fn print(&self, op: Op) -> (TokenStream, Precedence) {
         if let Some(name) = self.bound.get(&op) {
-            return (quote!(#name), Binding::Atom);
+            return (quote!(#name), Precedence::Atom);
         }
         match self.program.operation(op) {
             Operation::Constant(bits) => constant(f64::from_bits(*bits)),
             Operation::Input(_) => {
                 broken("inputs are bound before they are read");
-                (quote!(()), Binding::Atom)
+                (quote!(()), Precedence::Atom)
             }
             Operation::Add(a, b) => {
                 let (a, b) = self.highest_first(*a, *b);
-                let (a, b) = (self.at_least(a, Binding::Sum), self.at_least(b, Binding::Product));
-                (quote!(#a + #b), Binding::Sum)
+                let (a, b) = (self.at_least(a, Precedence::Sum), self.at_least(b, Precedence::Product));
+                (quote!(#a + #b), Precedence::Sum)
             }
             Operation::Subtract(a, b) if self.rank(*a) < self.rank(*b) => {
-                let (a, b) = (self.at_least(*a, Binding::Product), self.atom(*b));
-                (quote!(-#b + #a), Binding::Sum)
+                let (a, b) = (self.at_least(*a, Precedence::Product), self.atom(*b));
+                (quote!(-#b + #a), Precedence::Sum)
             }
             Operation::Subtract(a, b) => {
-                let (a, b) = (self.at_least(*a, Binding::Sum), self.at_least(*b, Binding::Product));
-                (quote!(#a - #b), Binding::Sum)
+                let (a, b) = (self.at_least(*a, Precedence::Sum), self.at_least(*b, Precedence::Product));
+                (quote!(#a - #b), Precedence::Sum)
             }
             Operation::Multiply(a, b) => {
                 let (a, b) = self.highest_first(*a, *b);
-                let (a, b) = (self.at_least(a, Binding::Product), self.at_least(b, Binding::Prefix));
-                (quote!(#a * #b), Binding::Product)
+                let (a, b) = (self.at_least(a, Precedence::Product), self.at_least(b, Precedence::Prefix));
+                (quote!(#a * #b), Precedence::Product)
             }
             Operation::Divide(a, b) => {
                 let rank = self.rank(*b);
                 let mixed = self.rank(*a) < rank;
-                let a = if mixed { self.lifted(*a, rank) } else { self.at_least(*a, Binding::Product) };
-                let b = self.at_least(*b, Binding::Prefix);
-                (quote!(#a / #b), Binding::Product)
+                let a = if mixed { self.lifted(*a, rank) } else { self.at_least(*a, Precedence::Product) };
+                let b = self.at_least(*b, Precedence::Prefix);
+                (quote!(#a / #b), Precedence::Product)
             }
             Operation::Negate(a) => {
                 let a = self.atom(*a);
-                (quote!(-#a), Binding::Prefix)
+                (quote!(-#a), Precedence::Prefix)
             }
             Operation::Reciprocal(a) => {
                 let a = self.receiver(*a);
-                (quote!(#a.recip()), Binding::Atom)
+                (quote!(#a.recip()), Precedence::Atom)
             }
             Operation::Power(a, exponent) => {
                 let (a, exponent) = (self.receiver(*a), Literal::i32_unsuffixed(*exponent));
-                (quote!(#a.powi(#exponent)), Binding::Atom)
+                (quote!(#a.powi(#exponent)), Precedence::Atom)
             }
-            Operation::Call(function, arguments) => (self.call(op, *function, arguments), Binding::Atom),
+            Operation::Call(function, arguments) => (self.call(op, *function, arguments), Precedence::Atom),
             Operation::Select(condition, then, otherwise) => self.select(op, *condition, *then, *otherwise),
             logical => self.condition(op, logical),
         }
@@ -379,7 +383,7 @@ impl<'p> Printer<'p> {
         if self.is_scalar(a) || self.rank(a) > self.rank(b) { (a, b) } else { (b, a) }
     }
 
-    fn select(&self, op: Op, condition: Op, then: Op, otherwise: Op) -> (TokenStream, Binding) {
+    fn select(&self, op: Op, condition: Op, then: Op, otherwise: Op) -> (TokenStream, Precedence) {
         let branch = |a: Op| self.lifted(a, self.rank(op));
         let (then, otherwise) = (branch(then), branch(otherwise));
         if self.rank(condition) > Rank::Number {
@@ -389,13 +393,13 @@ impl<'p> Printer<'p> {
                 let (ty, value, constant) = (self.ty(self.rank(op)), self.value(condition), &self.constant);
                 let choice =
                     quote!(<#ty as __wzvi::Over<#constant>>::choose(#value, || #then, || #otherwise));
-                return (choice, Binding::Atom);
+                return (choice, Precedence::Atom);
             }
             let value = if is_mask { self.value(condition) } else { self.truth(condition, self.rank(op)) };
-            (quote!(__wzvi::Scalar::select(#value, #then, #otherwise)), Binding::Atom)
+            (quote!(__wzvi::Scalar::select(#value, #then, #otherwise)), Precedence::Atom)
         } else {
             let value = self.value(condition);
-            (quote!(if #value { #then } else { #otherwise }), Binding::Whole)
+            (quote!(if #value { #then } else { #otherwise }), Precedence::Whole)
         }
     }
 
@@ -410,23 +414,23 @@ impl<'p> Printer<'p> {
     }
 
     /// A comparison or a combination of truths: a mask of the type of what it reads.
-    fn condition(&self, op: Op, operation: &Operation) -> (TokenStream, Binding) {
+    fn condition(&self, op: Op, operation: &Operation) -> (TokenStream, Precedence) {
         let rank = self.rank(op);
         let truth = |a: Op| self.truth(a, rank);
         match *operation {
             Operation::Compare(relation, a, b) if rank > Rank::Number => {
                 let (a, b) = (self.lifted(a, rank), self.lifted(b, rank));
                 let method = Ident::new(relation.spelled()[0], Span::call_site());
-                (quote!(__wzvi::Scalar::#method(#a, #b)), Binding::Atom)
+                (quote!(__wzvi::Scalar::#method(#a, #b)), Precedence::Atom)
             }
             Operation::Compare(relation, a, b) => {
-                let (a, b) = (self.at_least(a, Binding::Sum), self.at_least(b, Binding::Sum));
+                let (a, b) = (self.at_least(a, Precedence::Sum), self.at_least(b, Precedence::Sum));
                 let operator: TokenStream = relation.spelled()[1].parse().unwrap_or_default();
-                (quote!(#a #operator #b), Binding::Whole)
+                (quote!(#a #operator #b), Precedence::Whole)
             }
             Operation::Not(a) => {
                 let a = truth(a);
-                (quote!(!#a), Binding::Prefix)
+                (quote!(!#a), Precedence::Prefix)
             }
             Operation::Join(junction, a, b) => {
                 let (a, b) = (truth(a), truth(b));
@@ -434,11 +438,11 @@ impl<'p> Printer<'p> {
                     Junction::And => quote!(#a & #b),
                     Junction::Or => quote!(#a | #b),
                 };
-                (joined, Binding::Whole)
+                (joined, Precedence::Whole)
             }
             _ => {
                 broken("conditions are made of comparisons");
-                (quote!(()), Binding::Atom)
+                (quote!(()), Precedence::Atom)
             }
         }
     }
@@ -450,19 +454,19 @@ pub(crate) fn f64_type() -> TokenStream {
 }
 
 /// A literal as it is written: `0.5`, `1e300`.
-fn constant(value: f64) -> (TokenStream, Binding) {
+fn constant(value: f64) -> (TokenStream, Precedence) {
     let f64 = f64_type();
     if !value.is_finite() {
         let bits = Literal::u64_unsuffixed(value.to_bits());
-        return (quote!(#f64::from_bits(#bits)), Binding::Atom);
+        return (quote!(#f64::from_bits(#bits)), Precedence::Atom);
     }
     let magnitude = value.abs();
     let literal =
         format!("{magnitude:?}").parse::<Literal>().unwrap_or_else(|_| Literal::f64_suffixed(magnitude));
     if value.is_sign_negative() {
-        (quote!(-#literal), Binding::Prefix)
+        (quote!(-#literal), Precedence::Prefix)
     } else {
-        (quote!(#literal), Binding::Atom)
+        (quote!(#literal), Precedence::Atom)
     }
 }
 

@@ -1,9 +1,10 @@
-//! The step of one scheme as straight-line code.
+//! The step of one scheme as straight-line code. Tests: `tests/steps`, and the golden expansions
+//! (`compile/golden_tests.rs`).
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::names::Names;
+use super::names::Namer;
 use super::plan::plan;
 use super::system::{count, state_names};
 use super::terms;
@@ -12,17 +13,17 @@ use crate::discretise::{Facts, NoiseClass, Scheme, Strategy, Unknowns};
 use crate::model::StraightLine;
 use crate::symbolic::Graph;
 
-mod flow;
-mod given;
+mod block_inputs;
 mod memory;
 mod prepare;
 mod solve;
+mod step_program;
 
-use flow::Flow;
 use prepare::Prepared;
+use step_program::StepProgram;
 
 /// `dw`, or `dw1`, `dw2`, ... as in the equations.
-pub(crate) fn increment_names(names: &mut Names, noises: usize) -> Vec<Ident> {
+pub(crate) fn increment_names(names: &mut Namer, noises: usize) -> Vec<Ident> {
     match noises {
         1 => vec![names.take("dw")],
         _ => names.take_all((1..=noises).map(|k| format!("dw{k}"))),
@@ -39,17 +40,17 @@ pub(crate) fn emit(
     text: &str,
     is_alone: bool,
 ) -> TokenStream {
-    let flow = Flow::new(graph, &line.parameters, scheme, facts.noise == NoiseClass::None);
+    let step_program = StepProgram::new(graph, &line.parameters, scheme, facts.noise == NoiseClass::None);
     let noises = scheme.lagrangian.symbols.dw.len();
-    let mut names = Names::default();
+    let mut names = Namer::default();
     let [q, p] = state_names(&mut names, graph, &line.phase);
     let (d, n) = (count(q.len()), count(noises));
     let dw = increment_names(&mut names, noises);
-    let prepared = Prepared::new(&flow, graph, &line.parameters, &mut names);
-    let [functions, solve] = solve::solution(&flow, &prepared, [q, p, dw], names);
+    let prepared = Prepared::new(&step_program, graph, &line.parameters, &mut names);
+    let [functions, solve] = solve::solution(&step_program, &prepared, [q, p, dw], names);
     let (prepared_type, prepare) = (prepared.ty(), &prepared.method);
-    let memory = memory::memory_type(&flow.newton_sizes());
-    let carry = match flow.affords_compensation() {
+    let memory = memory::memory_type(&step_program.newton_sizes());
+    let carry = match step_program.affords_compensation() {
         true => quote!(__wzvi::Compensation<__S, #d>),
         false => quote!(__wzvi::Plain),
     };

@@ -1,5 +1,5 @@
-//! Stubs after errors: the struct, and implementations that type-check, so that `rustc` does not add "trait not
-//! implemented" to the reported errors.
+//! Stubs after errors: the struct, and implementations that type-check, so that `rustc` does not add "trait
+//! not implemented" to the reported errors. Tests: `tests/compiler/ui/fail`.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -14,7 +14,7 @@ pub(crate) struct Stubs {
     /// The generic parameters and the scheme of each implementation.
     schemes: Vec<(TokenStream, TokenStream)>,
     crate_path: Option<Path>,
-    /// Those of the phase space; `None` if the number depends on the state.
+    /// The degrees of freedom; `None` if the number depends on the state.
     pub(crate) degrees: Option<usize>,
 }
 

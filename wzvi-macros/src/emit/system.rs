@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
-use super::names::Names;
+use super::names::Namer;
 use super::print::Printer;
 use super::program::{Level, Lowering, Op};
 use crate::model::{Parameter, Phase};
@@ -23,21 +23,21 @@ pub(crate) struct Body {
 
 /// A parameter that is read.
 pub(crate) struct Read {
-    /// Its number among all parameters.
+    /// The number of the parameter among all.
     pub(crate) number: usize,
     pub(crate) name: Ident,
-    /// Its expression in the system.
+    /// The expression that reads it from the struct.
     pub(crate) tokens: TokenStream,
 }
 
 /// The user's names of coordinates and momenta.
-pub(crate) fn state_names(names: &mut Names, graph: &Graph, phase: &Phase) -> [Vec<Ident>; 2] {
+pub(crate) fn state_names(names: &mut Namer, graph: &Graph, phase: &Phase) -> [Vec<Ident>; 2] {
     [&phase.q, &phase.p]
         .map(|symbols| names.take_all(symbols.iter().map(|&symbol| graph.symbol_name(symbol))))
 }
 
 /// Names of parameters: fields keep theirs, constants become `constant_` and their name in lower case.
-pub(crate) fn parameter_names(names: &mut Names, graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
+pub(crate) fn parameter_names(names: &mut Namer, graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
     let wish = |Parameter { symbol, tokens, .. }: &Parameter| {
         let name = graph.symbol_name(*symbol);
         let is_field = tokens.to_string().contains("self");
@@ -49,7 +49,7 @@ pub(crate) fn parameter_names(names: &mut Names, graph: &Graph, parameters: &[Pa
 /// The names and the types of numbers in a function body.
 pub(crate) struct Environment<'t> {
     /// The names that are taken.
-    pub(crate) names: Names,
+    pub(crate) names: Namer,
     /// The names of the parameters, in their order.
     pub(crate) parameters: Vec<Ident>,
     /// The symbols of the state, with the names that they are bound to.
@@ -60,9 +60,10 @@ pub(crate) struct Environment<'t> {
     pub(crate) constant: &'t TokenStream,
 }
 
-/// The evaluation of functions of parameters in constants `__K`, with the parameters read first: with derivatives from the list `__parameters`.
+/// The evaluation of functions of parameters in constants `__K`, with the parameters read first: with
+/// derivatives from the list `__parameters`.
 pub(crate) fn evaluation(graph: &mut Graph, parameters: &[Parameter], roots: &[Expr]) -> Body {
-    let (mut names, constant) = (Names::default(), quote!(__K));
+    let (mut names, constant) = (Namer::default(), quote!(__K));
     let own = parameter_names(&mut names, graph, parameters);
     let environment =
         Environment { names, parameters: own, state: Vec::new(), scalar: None, constant: &constant };

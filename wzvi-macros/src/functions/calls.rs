@@ -7,12 +7,12 @@ use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 use syn::{Expr, ExprCall, ExprClosure, ExprMethodCall, ExprPath, Path};
 
-use crate::lower::{Names, is_constant_name, is_self, key, may_be_shared, type_of};
+use crate::lower::{BoundNames, is_constant_name, is_self, key, may_be_shared, type_of};
 
 /// Calls of names that are neither variables nor functions of `f64`.
 #[derive(Default)]
 pub(super) struct Calls {
-    bound: Names,
+    bound: BoundNames,
     pub(super) called: Vec<ExprPath>,
     /// The struct whose closures are read.
     own: Option<Ident>,
@@ -42,7 +42,7 @@ impl Calls {
 pub(super) fn of_closures<'a>(closures: impl Iterator<Item = &'a ExprClosure>, name: &Ident) -> Vec<Path> {
     let mut calls = Calls { own: Some(name.clone()), ..Calls::default() };
     for closure in closures {
-        calls.bound = Names::default();
+        calls.bound = BoundNames::default();
         calls.bound.visit_expr_closure(closure);
         calls.visit_expr_closure(closure);
     }

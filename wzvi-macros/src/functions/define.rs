@@ -7,39 +7,39 @@ use proc_macro2::{Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote};
 use syn::{FnArg, GenericParam, ImplItem, Item, ItemFn, ItemImpl, Path, Signature, Token, Type, Visibility};
 
-use super::{Question, calls};
+use super::{Pending, calls};
 use crate::diagnostics::{Diagnostics, messages};
-use crate::input::{Carrier, check_attributes};
+use crate::input::{MacroKind, check_attributes};
 use crate::lower::key;
 use crate::tokens;
 
 /// The expansion of `#[hamiltonian_fn(attribute)] item`.
 pub(crate) fn define(attribute: TokenStream, item: TokenStream) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
-    let questions = read(attribute, &item, &mut diagnostics);
-    let item = match &questions {
-        Some(question) => with_error_functions(item, &question.crate_path),
+    let pending = read(attribute, &item, &mut diagnostics);
+    let item = match &pending {
+        Some(pending) => with_error_functions(item, &pending.crate_path),
         None => item,
     };
     match diagnostics.finish() {
         Ok(()) => {
-            let carrier = questions.map(|question| match question.asked.is_empty() {
-                true => carrier(&question),
-                false => question.ask(),
+            let exported = pending.map(|pending| match pending.requested.is_empty() {
+                true => exporting_macro(&pending),
+                false => pending.request(),
             });
-            quote! { #item #carrier }
+            quote! { #item #exported }
         }
         Err(errors) => quote! { #item #errors },
     }
 }
 
-fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostics) -> Option<Question> {
+fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostics) -> Option<Pending> {
     let crate_path = match attribute.is_empty() {
         true => syn::parse_quote!(::wzvi),
         false => diagnostics.accept(syn::parse::Parser::parse2(crate_argument, attribute.clone()))?,
     };
     crate::input::check_nesting(item, diagnostics)?;
-    let asked = match diagnostics.accept(syn::parse2::<Item>(item.clone()))? {
+    let requested = match diagnostics.accept(syn::parse2::<Item>(item.clone()))? {
         Item::Fn(function) => of_function(&function, diagnostics),
         Item::Impl(methods) => of_impl(&methods, diagnostics),
         other => {
@@ -47,8 +47,8 @@ fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostic
             Vec::new()
         }
     };
-    let (kind, item, stand_ins) = (syn::parse_quote!(function), item.clone(), TokenStream::new());
-    Some(Question { kind, crate_path, attribute, item, stand_ins, asked, answers: Vec::new() })
+    let (kind, item, stubs) = (syn::parse_quote!(function), item.clone(), TokenStream::new());
+    Some(Pending { kind, crate_path, attribute, item, stubs, requested, definitions: Vec::new() })
 }
 
 /// The item as `rustc` reads it: where it calls `erf` or `erfc` as methods, they are in scope. `f64` has
@@ -91,7 +91,7 @@ fn crate_argument(input: syn::parse::ParseStream<'_>) -> syn::Result<Path> {
 }
 
 fn of_function(function: &ItemFn, diagnostics: &mut Diagnostics) -> Vec<Path> {
-    check_attributes(function, Carrier::Function, diagnostics);
+    check_attributes(function, MacroKind::Function, diagnostics);
     check_signature(&function.sig, diagnostics);
     let found = calls::of_function(None, &function.sig, &function.block);
     for constant in &found.constants {
@@ -108,21 +108,21 @@ fn of_impl(methods: &ItemImpl, diagnostics: &mut Diagnostics) -> Vec<Path> {
         diagnostics.report(messages::methods_of_trait(path));
     }
     for attribute in &methods.attrs {
-        check_attributes(attribute, Carrier::Function, diagnostics);
+        check_attributes(attribute, MacroKind::Function, diagnostics);
     }
     let own = own_type(methods);
-    let mut asked: Vec<Path> = Vec::new();
+    let mut requested: Vec<Path> = Vec::new();
     for item in &methods.items {
         let ImplItem::Fn(method) = item else { continue };
-        check_attributes(method, Carrier::Function, diagnostics);
+        check_attributes(method, MacroKind::Function, diagnostics);
         check_signature(&method.sig, diagnostics);
         for path in calls::of_function(own, &method.sig, &method.block).paths(None) {
-            if !asked.iter().any(|known| key(known) == key(&path)) {
-                asked.push(path);
+            if !requested.iter().any(|known| key(known) == key(&path)) {
+                requested.push(path);
             }
         }
     }
-    asked
+    requested
 }
 
 /// The name of the type that has the methods.
@@ -150,9 +150,9 @@ fn check_signature(signature: &Signature, diagnostics: &mut Diagnostics) {
 }
 
 /// The macro that exports the tokens, under the path of the function or of the struct.
-pub(super) fn carrier(question: &Question) -> TokenStream {
-    let Question { asked, answers, .. } = question;
-    let (name, visibility, item) = match syn::parse2::<Item>(question.item.clone()) {
+pub(super) fn exporting_macro(pending: &Pending) -> TokenStream {
+    let Pending { requested, definitions, .. } = pending;
+    let (name, visibility, item) = match syn::parse2::<Item>(pending.item.clone()) {
         Ok(Item::Fn(ItemFn { vis, sig, block, .. })) => (sig.ident.clone(), vis, quote! { #sig #block }),
         Ok(Item::Impl(methods)) => {
             let Some(own) = own_type(&methods) else { return TokenStream::new() };
@@ -161,7 +161,7 @@ pub(super) fn carrier(question: &Question) -> TokenStream {
         }
         _ => return TokenStream::new(),
     };
-    let hidden = hidden_name(&name, &question.item);
+    let hidden = hidden_name(&name, &pending.item);
     let export = matches!(visibility, Visibility::Public(_)).then(|| quote! { #[macro_export] });
     let item = with_dollar_crate(item);
     quote! {
@@ -170,7 +170,7 @@ pub(super) fn carrier(question: &Question) -> TokenStream {
         #export
         macro_rules! #hidden {
             ({ $($callback:tt)* } { $($state:tt)* }) => {
-                $($callback)*! { $($state)* { { #item } { #( { #asked } )* } { #( { #answers } )* } } }
+                $($callback)*! { $($state)* { { #item } { #( { #requested } )* } { #( { #definitions } )* } } }
             };
         }
         #[doc(hidden)]

@@ -1,4 +1,5 @@
-//! The attribute's arguments, `key = value, ...`.
+//! The attribute's arguments, `key = value, ...`. Tests: `tests/compiler/ui/messages`,
+//! `lower/tests/robustness.rs`.
 
 use proc_macro2::{Delimiter, Group, Ident, Spacing, Span, TokenStream, TokenTree};
 use quote::ToTokens;
@@ -7,7 +8,7 @@ use syn::parse::{ParseStream, Parser};
 use syn::punctuated::Punctuated;
 use syn::{ExprClosure, Path, Token, token};
 
-use super::attributes::{self, Carrier};
+use super::attributes::{self, MacroKind};
 use super::{Library, embeddings, groups, nesting};
 use crate::diagnostics::{Diagnostics, Extent, Located, messages};
 use crate::embedding::{Embedding, listed};
@@ -17,9 +18,9 @@ use crate::tokens::is_punct;
 /// The parsed attribute; missing and wrong parts have been reported.
 pub(crate) struct Declaration {
     pub(crate) closures: Vec<Hamiltonian>,
-    pub(crate) friction: Option<Friction>,
+    pub(crate) friction: Option<DeclaredFriction>,
     /// `kT`
-    pub(crate) temperature: Option<Given>,
+    pub(crate) temperature: Option<DeclaredValue>,
     /// The embeddings, with the types as written.
     pub(crate) embeddings: Vec<(Located<Embedding>, syn::Type)>,
     /// Whether `embeddings` is complete: none was misspelled.
@@ -46,16 +47,16 @@ impl Declaration {
 }
 
 /// `friction` or `damping`.
-pub(crate) struct Friction {
+pub(crate) struct DeclaredFriction {
     /// Whether it is `damping`, a matrix.
     pub(crate) is_matrix: bool,
-    pub(crate) given: Given,
+    pub(crate) given: DeclaredValue,
 }
 
 /// An expression of fields, or a closure of the coordinates.
-pub(crate) struct Given {
+pub(crate) struct DeclaredValue {
     pub(crate) value: syn::Expr,
-    /// As it was written.
+    /// The tokens as they were written.
     pub(crate) tokens: TokenStream,
 }
 
@@ -67,7 +68,7 @@ pub(crate) struct Hamiltonian {
     pub(crate) tokens: TokenStream,
     /// `[|q, p, k| ...; count]`: one noise per `k`, the closure's last parameter.
     pub(crate) family: Option<syn::Expr>,
-    /// Of a first integral: `[name = |q, p| ...]`.
+    /// The name of a first integral, `[name = |q, p| ...]`.
     pub(crate) name: Option<Ident>,
 }
 
@@ -80,7 +81,7 @@ struct Entry {
 /// Reads the arguments of the attribute independently, so that a mistake in one does not hide others.
 pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Option<Declaration> {
     nesting::check(&attribute, diagnostics)?;
-    let attribute = attributes::without_refused(attribute, Carrier::Hamiltonian, diagnostics);
+    let attribute = attributes::without_refused(attribute, MacroKind::Hamiltonian, diagnostics);
     let attribute = groups::without_single(attribute);
     let mut declaration = Declaration {
         closures: Vec::new(),
@@ -106,8 +107,8 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
     Some(declaration)
 }
 
-/// The key with this name, or the one that a misspelled name may stand for, so that it is not reported as missing, too, and the mistakes
-/// of its value are found.
+/// The key with this name, or the one that a misspelled name may stand for, so that it is not reported as
+/// missing, too, and the mistakes of its value are found.
 fn known_key(name: &Ident, seen: &[Key], diagnostics: &mut Diagnostics) -> Option<Key> {
     let Some(key) = Key::named(&name.unraw().to_string()) else {
         diagnostics.report(match messages::is_of_ito(name) {
@@ -143,7 +144,7 @@ fn read_entry(declaration: &mut Declaration, key: Key, entry: &Entry, diagnostic
         Key::Friction | Key::Damping => {
             let is_matrix = key == Key::Damping;
             let given = diagnostics.accept(entry.given());
-            declaration.friction = given.map(|given| Friction { is_matrix, given });
+            declaration.friction = given.map(|given| DeclaredFriction { is_matrix, given });
         }
         Key::Temperature => declaration.temperature = diagnostics.accept(entry.given()),
         Key::Embedding => {
@@ -181,8 +182,8 @@ impl Entry {
         whole.parse2(TokenTree::Group(group).into())
     }
 
-    fn given(&self) -> syn::Result<Given> {
-        Ok(Given { value: self.parse(|input| input.parse())?, tokens: self.value.clone() })
+    fn given(&self) -> syn::Result<DeclaredValue> {
+        Ok(DeclaredValue { value: self.parse(|input| input.parse())?, tokens: self.value.clone() })
     }
 
     fn closures(
@@ -317,13 +318,13 @@ fn calculus(input: ParseStream<'_>) -> syn::Result<Option<Extent>> {
     }
 }
 
-fn scheme_list(input: ParseStream<'_>) -> syn::Result<Vec<embeddings::Scheme>> {
+fn scheme_list(input: ParseStream<'_>) -> syn::Result<Vec<embeddings::DeclaredScheme>> {
     if !input.peek(token::Bracket) {
         return Ok(vec![input.parse()?]);
     }
     let content;
     syn::bracketed!(content in input);
-    Ok(Punctuated::<embeddings::Scheme, Token![,]>::parse_terminated(&content)?.into_iter().collect())
+    Ok(Punctuated::<embeddings::DeclaredScheme, Token![,]>::parse_terminated(&content)?.into_iter().collect())
 }
 
 /// Splits at `, key =`, which no value contains at its top level.

@@ -1,5 +1,6 @@
-//! Attributes inside of Hamiltonians and of the functions that they call. The compiler sees them before `rustc` acts on them: it
-//! cannot evaluate `cfg`, and an attribute macro could replace what it has read. Both are refused, wherever they are.
+//! Attributes inside of Hamiltonians and of the functions that they call. The compiler sees them before
+//! `rustc` acts on them: it cannot evaluate `cfg`, and an attribute macro could replace what it has read.
+//! Both are refused, wherever they are. Tests: `tests/accepted/attributes.rs`.
 
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use quote::ToTokens;
@@ -18,20 +19,20 @@ const TOOLS: &str = "rustfmt clippy diagnostic miri rust_analyzer rustdoc";
 
 /// The item that carries the attribute of this crate.
 #[derive(Clone, Copy)]
-pub(crate) enum Carrier {
+pub(crate) enum MacroKind {
     Hamiltonian,
     Function,
 }
 
 /// Reports the attributes that are refused.
-pub(crate) fn check(item: &impl ToTokens, carrier: Carrier, diagnostics: &mut Diagnostics) {
+pub(crate) fn check(item: &impl ToTokens, carrier: MacroKind, diagnostics: &mut Diagnostics) {
     without_refused(item.to_token_stream(), carrier, diagnostics);
 }
 
 /// The tokens without attributes that are refused, which it reports.
 pub(super) fn without_refused(
     tokens: TokenStream,
-    carrier: Carrier,
+    carrier: MacroKind,
     diagnostics: &mut Diagnostics,
 ) -> TokenStream {
     let mut kept = TokenStream::new();
@@ -59,8 +60,9 @@ pub(super) fn without_refused(
     kept
 }
 
-/// `#[cfg]` on a struct is evaluated where it is above the attribute of this crate, and on a field where `rustc` still sees it: not on
-/// the struct below that attribute, on its generics, and on fields whose place or kind it decides.
+/// `#[cfg]` on a struct is evaluated where it is above the attribute of this crate, and on a field where
+/// `rustc` still sees it: not on the struct below that attribute, on its generics, and on fields whose place
+/// or kind it decides.
 pub(super) fn check_struct(item: &ItemStruct, fields: &[Field], diagnostics: &mut Diagnostics) {
     let generics = item.generics.params.iter().flat_map(|parameter| match parameter {
         syn::GenericParam::Lifetime(parameter) => &parameter.attrs,
@@ -87,17 +89,17 @@ fn is_condition(attribute: &Attribute) -> bool {
     attribute.path().is_ident("cfg")
 }
 
-fn refusal(group: &Group, attribute: &TokenStream, carrier: Carrier) -> Option<syn::Error> {
+fn refusal(group: &Group, attribute: &TokenStream, carrier: MacroKind) -> Option<syn::Error> {
     let meta = opened(group.stream());
     let name = meta.first()?.to_string();
     let is_of_tool = meta.get(1).is_some_and(|token| is_punct(token, ':'));
     let known = if is_of_tool { TOOLS } else { HARMLESS };
     match (name.as_str(), carrier) {
-        ("cfg" | "cfg_attr", Carrier::Hamiltonian) => Some(messages::condition_of_build(attribute)),
-        ("cfg" | "cfg_attr", Carrier::Function) => Some(messages::condition_in_function(attribute)),
+        ("cfg" | "cfg_attr", MacroKind::Hamiltonian) => Some(messages::condition_of_build(attribute)),
+        ("cfg" | "cfg_attr", MacroKind::Function) => Some(messages::condition_in_function(attribute)),
         (name, _) if known.split(' ').any(|known| known == name) => None,
-        (_, Carrier::Hamiltonian) => Some(messages::attribute_inside(attribute)),
-        (_, Carrier::Function) => Some(messages::attribute_of_function(attribute)),
+        (_, MacroKind::Hamiltonian) => Some(messages::attribute_inside(attribute)),
+        (_, MacroKind::Function) => Some(messages::attribute_of_function(attribute)),
     }
 }
 

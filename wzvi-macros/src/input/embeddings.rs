@@ -1,4 +1,4 @@
-//! The schemes of `embedding = ...`.
+//! The schemes of `embedding = ...`. Tests: `tests/accepted/embeddings.rs`.
 
 use syn::parse::{Parse, ParseStream};
 use syn::{Expr, GenericArgument, Path, PathArguments, Token, Type, TypeTuple};
@@ -6,16 +6,16 @@ use syn::{Expr, GenericArgument, Path, PathArguments, Token, Type, TypeTuple};
 use super::points::read_points;
 use super::system::literal;
 use crate::diagnostics::{Diagnostics, Extent, Located, messages};
-use crate::embedding::{Declared, Embedding, Kind, Letter, MOST_LETTERS, Word, listed, meant, names};
+use crate::embedding::{Declared, Embedding, Letter, LetterKind, MOST_LETTERS, Word, listed, meant, names};
 use crate::tokens::Written;
 
 /// `Midpoint`, or `Trapezoidal = [(0, 1/2), (1, 1/2)]`.
-pub(super) struct Scheme {
+pub(super) struct DeclaredScheme {
     ty: Type,
     points: Option<Expr>,
 }
 
-impl Parse for Scheme {
+impl Parse for DeclaredScheme {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
         let ty = input.parse()?;
         let is_given = input.parse::<Option<Token![=]>>()?.is_some();
@@ -25,7 +25,7 @@ impl Parse for Scheme {
 
 /// The schemes, each once; mistakes are reported.
 pub(super) fn read_embeddings(
-    schemes: Vec<Scheme>,
+    schemes: Vec<DeclaredScheme>,
     diagnostics: &mut Diagnostics,
 ) -> Vec<(Located<Embedding>, Type)> {
     let (declared, schemes) = read_declared(schemes, diagnostics);
@@ -41,11 +41,12 @@ pub(super) fn read_embeddings(
     embeddings
 }
 
-/// The types with points of the user's, and the schemes; without those whose points were wrong, which has been reported.
-fn read_declared(schemes: Vec<Scheme>, diagnostics: &mut Diagnostics) -> (Vec<Declared>, Vec<Type>) {
+/// The types with points of the user's, and the schemes; without those whose points were wrong, which has
+/// been reported.
+fn read_declared(schemes: Vec<DeclaredScheme>, diagnostics: &mut Diagnostics) -> (Vec<Declared>, Vec<Type>) {
     let mut declared: Vec<Declared> = Vec::new();
     let (mut mistaken, mut types): (Vec<Written<Path>>, _) = (Vec::new(), Vec::new());
-    for Scheme { ty, points } in schemes {
+    for DeclaredScheme { ty, points } in schemes {
         let Some(points) = points else {
             types.push(ty);
             continue;
@@ -69,7 +70,7 @@ fn read_declared(schemes: Vec<Scheme>, diagnostics: &mut Diagnostics) -> (Vec<De
 
 /// The user's type `Rule` in `Rule` or `Corrected<Rule>`.
 fn of_program(ty: &Type) -> syn::Result<Written<Path>> {
-    let (name, arguments) = parts(ty)?;
+    let (name, arguments) = name_and_arguments(ty)?;
     match (name.to_string().as_str(), arguments.as_deref(), ty) {
         ("Corrected" | "Uncorrected" | "Thermostat", Some([GenericArgument::Type(inner)]), _) => {
             of_program(inner)
@@ -99,7 +100,7 @@ fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Em
     {
         return Ok(Embedding::Declared(known.clone()));
     }
-    let (name, arguments) = parts(ty)?;
+    let (name, arguments) = name_and_arguments(ty)?;
     let text = name.to_string();
     let is_whole = inside == Inside::List;
     let plain = Embedding::PLAIN.into_iter().find(|plain| plain.name() == text);
@@ -164,7 +165,7 @@ fn splitting(tuple: &TypeTuple) -> syn::Result<Word> {
     if word.0.len() > MOST_LETTERS {
         return Err(messages::long_word(tuple, MOST_LETTERS, tuple.elems.len()));
     }
-    for kind in Kind::ALL {
+    for kind in LetterKind::ALL {
         match word.total(kind) {
             Some(total) if total.is_one() => {}
             Some(total) if total.is_zero() => return Err(messages::missing_letter(tuple, kind.letter())),
@@ -176,12 +177,12 @@ fn splitting(tuple: &TypeTuple) -> syn::Result<Word> {
 
 /// `A`, `B`, `O`, and `A<1, 4>`, `B<1, 4>` with a share of the step.
 fn letter(ty: &Type) -> syn::Result<Letter> {
-    let (name, arguments) = parts(ty)?;
-    let kind = Kind::ALL.into_iter().find(|kind| name == kind.letter());
+    let (name, arguments) = name_and_arguments(ty)?;
+    let kind = LetterKind::ALL.into_iter().find(|kind| name == kind.letter());
     let kind = kind.ok_or_else(|| messages::unknown_letter(ty))?;
     let share = match (arguments.as_deref(), kind) {
         (None, _) => None,
-        (Some([n, d]), Kind::Drift | Kind::Kick) => match (share(n), share(d)) {
+        (Some([n, d]), LetterKind::Drift | LetterKind::Kick) => match (share(n), share(d)) {
             (Some(n), Some(d)) => Some((n, d)),
             _ => return Err(messages::share_of_letter(ty)),
         },
@@ -213,10 +214,10 @@ fn number(argument: &GenericArgument) -> syn::Result<u32> {
 }
 
 /// The last segment's name and generic arguments.
-fn parts(ty: &Type) -> syn::Result<(&syn::Ident, Option<Vec<&GenericArgument>>)> {
+fn name_and_arguments(ty: &Type) -> syn::Result<(&syn::Ident, Option<Vec<&GenericArgument>>)> {
     let segment = match ty {
         Type::Path(path) if path.qself.is_none() => path.path.segments.last(),
-        Type::Group(group) => return parts(&group.elem),
+        Type::Group(group) => return name_and_arguments(&group.elem),
         _ => None,
     };
     let segment = segment.ok_or_else(|| messages::not_a_scheme(ty, &listed()))?;

@@ -1,11 +1,13 @@
 //! Invisible groups, in which `macro_rules!` passes its fragments: a group of one token equals that token.
+//! Tests: `tests/accepted/macros.rs`.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use syn::Expr;
 
 use crate::tokens::regrouped;
 
-/// The tokens with every such group of one token replaced by the token. Longer groups keep expressions together.
+/// The tokens with every such group of one token replaced by the token. Longer groups keep expressions
+/// together.
 pub(super) fn without_single(tokens: TokenStream) -> TokenStream {
     tokens.into_iter().map(open).collect()
 }

@@ -1,5 +1,5 @@
-//! The user's declaration: the struct, the attribute and the phase space, checked as far as possible before any
-//! Hamiltonian is read.
+//! The user's declaration: the struct, the attribute and the phase space, checked as far as possible before
+//! any Hamiltonian is read.
 
 mod attribute;
 mod attributes;
@@ -11,12 +11,12 @@ mod phase_space;
 mod points;
 mod system;
 
-pub(crate) use attribute::{Declaration, Friction, Given, Hamiltonian, read_attribute};
-pub(crate) use attributes::{Carrier, check as check_attributes};
+pub(crate) use attribute::{Declaration, DeclaredFriction, DeclaredValue, Hamiltonian, read_attribute};
+pub(crate) use attributes::{MacroKind, check as check_attributes};
 pub(crate) use groups::peeled;
-pub(crate) use library::{Function, Library};
+pub(crate) use library::{Library, SharedFunction};
 pub(crate) use nesting::check as check_nesting;
 pub(crate) use phase_space::{
     Labels, Length, PhaseSpace, Shape, is_usual_time, name_of_time, read_phase_space,
 };
-pub(crate) use system::{Container, Field, Kind, is_integer_type, read_struct};
+pub(crate) use system::{Container, Field, FieldKind, is_integer_type, read_struct};

@@ -1,8 +1,10 @@
-//! Bounds the nesting of token streams before anything recursive reads them: `syn` parses and drops by recursion, and
-//! a compiler must not overflow its stack on any input.
+//! Bounds the nesting of token streams before anything recursive reads them: `syn` parses and drops by
+//! recursion, and a compiler must not overflow its stack on any input.
 //!
-//! The bound is on a cost, in units of the stack that one link of a chain `a + b + ...` takes (about 700 bytes in a
-//! debug build). Costs were measured by the largest depth that fits a thread of 2 MiB.
+//! The bound is on a cost, in units of the stack that one link of a chain `a + b + ...` takes (about 700
+//! bytes in a debug build). Costs were measured by the largest depth that fits a thread of 2 MiB.
+//!
+//! Tests: `lower/tests/robustness.rs`.
 
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
@@ -48,8 +50,8 @@ fn too_deep(tokens: &TokenStream) -> Option<TokenTree> {
     None
 }
 
-/// Tokens of one stream, in runs that `,` and `;` separate. Within a run each operator may nest the expression by one
-/// level: a long sum is a deep tree.
+/// Tokens of one stream, in runs that `,` and `;` separate. Within a run each operator may nest the
+/// expression by one level: a long sum is a deep tree.
 #[derive(Default)]
 struct Runs {
     /// Costs of the runs before.
@@ -119,7 +121,7 @@ impl Runs {
         self.longest = self.longest.max(self.prefixes);
     }
 
-    /// What follows is nested: prefix operators before and after add up.
+    /// Nests the tokens that follow: prefix operators before and after add up.
     fn nest(&mut self, cost: usize) {
         self.nested += cost + PREFIX * std::mem::take(&mut self.longest);
     }

@@ -1,4 +1,5 @@
-//! The phase space, declared by the patterns of the drift and repeated by all other closures.
+//! The phase space, declared by the patterns of the drift and repeated by all other closures. Tests:
+//! `tests/accepted/phase_spaces.rs`.
 
 use std::fmt;
 
@@ -29,7 +30,7 @@ pub(crate) enum Length {
     Literal(usize),
     /// A constant or a const generic of the struct, as it was written.
     Named(Box<Written<syn::Expr>>),
-    /// That of the state: `&[f64]`.
+    /// The length of the state: `&[f64]`.
     RunTime,
 }
 
@@ -50,7 +51,7 @@ enum Bound {
 }
 
 impl Bound {
-    /// The name of all.
+    /// The name of the whole.
     fn name(&self, fallback: &str) -> String {
         match self {
             Self::Whole(Some(name)) => name.clone(),
@@ -96,7 +97,7 @@ pub(crate) struct PhaseSpace {
 }
 
 impl PhaseSpace {
-    /// Their number, if the compiler knows it.
+    /// The number of degrees of freedom, if the compiler knows it.
     pub(crate) fn degrees(&self) -> Option<usize> {
         self.shape.size()
     }
@@ -147,9 +148,9 @@ impl fmt::Display for Shape {
     }
 }
 
-/// Reads the phase space from the drift and checks that the other closures agree with it. Closures that do not are
-/// reported and removed, to avoid consequential errors in their bodies. If the drift declares none, the next closure
-/// does, so that the others are still read.
+/// Reads the phase space from the drift and checks that the other closures agree with it. Closures that do
+/// not are reported and removed, to avoid consequential errors in their bodies. If the drift declares none,
+/// the next closure does, so that the others are still read.
 pub(crate) fn read_phase_space(
     declaration: &mut Declaration,
     diagnostics: &mut Diagnostics,
@@ -289,8 +290,8 @@ fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> 
     }
 }
 
-/// Whether the coordinates have the names of momenta and the momenta those of coordinates: `|p, q|`, `|p1, q1|`,
-/// `|[px, py], [x, y]|`. The equations of motion would silently have the wrong sign.
+/// Whether the coordinates have the names of momenta and the momenta those of coordinates: `|p, q|`,
+/// `|p1, q1|`, `|[px, py], [x, y]|`. The equations of motion would silently have the wrong sign.
 fn are_swapped(q: &Pat, p: &Pat) -> bool {
     match (peeled(q), peeled(p)) {
         (Pat::Type(typed), p) => are_swapped(&typed.pat, p),

@@ -1,4 +1,4 @@
-//! The struct, with its fields by their use in Hamiltonians.
+//! The struct, with its fields by their use in Hamiltonians. Tests: `tests/accepted/parameters.rs`.
 
 use std::rc::Rc;
 
@@ -19,7 +19,7 @@ pub(crate) struct Container {
 
 pub(crate) struct Field {
     pub(crate) member: Member,
-    pub(crate) kind: Kind,
+    pub(crate) kind: FieldKind,
     /// `#[cfg]` attributes: the field may not be there.
     pub(crate) conditions: Vec<syn::Attribute>,
 }
@@ -27,20 +27,20 @@ pub(crate) struct Field {
 impl Field {
     /// Whether a Hamiltonian can read it.
     pub(crate) fn is_readable(&self) -> bool {
-        !matches!(self.kind, Kind::Other(_) | Kind::Tuple(..))
+        !matches!(self.kind, FieldKind::Other(_) | FieldKind::Tuple(..))
     }
 }
 
 /// The kind of a field, or of an element of one.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Kind {
+pub(crate) enum FieldKind {
     Real,
     /// Whether its type is unsigned.
     Integer(bool),
     /// An array, slice or `Vec`; its length where it is a literal.
-    List(Rc<Kind>, Option<usize>),
+    List(Rc<FieldKind>, Option<usize>),
     /// A tuple of numbers as an element of a list, with its type as written.
-    Tuple(Rc<[Kind]>, String),
+    Tuple(Rc<[FieldKind]>, String),
     /// A path to a constant, whose type only `rustc` knows.
     Constant,
     /// A type that no Hamiltonian can use, as written.
@@ -64,7 +64,7 @@ pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> O
     let fields: Vec<Field> = fields.collect();
     attributes::check_struct(&item, &fields, diagnostics);
     let sizes = item.generics.params.iter().filter_map(|parameter| match parameter {
-        GenericParam::Const(parameter) if kind(&parameter.ty) == Kind::Integer(true) => {
+        GenericParam::Const(parameter) if kind(&parameter.ty) == FieldKind::Integer(true) => {
             Some(parameter.ident.clone())
         }
         _ => None,
@@ -72,16 +72,16 @@ pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> O
     Some(Container { fields, sizes: sizes.collect(), item })
 }
 
-fn kind(ty: &Type) -> Kind {
+fn kind(ty: &Type) -> FieldKind {
     match ty {
         Type::Paren(inner) => kind(&inner.elem),
         Type::Group(inner) => kind(&inner.elem),
-        Type::Array(array) => Kind::List(Rc::new(kind(&array.elem)), literal(&array.len)),
-        Type::Slice(slice) => Kind::List(Rc::new(kind(&slice.elem)), None),
+        Type::Array(array) => FieldKind::List(Rc::new(kind(&array.elem)), literal(&array.len)),
+        Type::Slice(slice) => FieldKind::List(Rc::new(kind(&slice.elem)), None),
         Type::Tuple(tuple) => {
-            let kinds: Vec<Kind> = tuple.elems.iter().map(kind).collect();
-            match kinds.iter().all(|kind| matches!(kind, Kind::Real | Kind::Integer(_))) {
-                true => Kind::Tuple(kinds.into(), source(ty)),
+            let kinds: Vec<FieldKind> = tuple.elems.iter().map(kind).collect();
+            match kinds.iter().all(|kind| matches!(kind, FieldKind::Real | FieldKind::Integer(_))) {
+                true => FieldKind::Tuple(kinds.into(), source(ty)),
                 false => other(ty),
             }
         }
@@ -94,30 +94,30 @@ fn kind(ty: &Type) -> Kind {
     }
 }
 
-fn named_kind(segment: &syn::PathSegment, ty: &Type) -> Kind {
+fn named_kind(segment: &syn::PathSegment, ty: &Type) -> FieldKind {
     let argument = match &segment.arguments {
         PathArguments::AngleBracketed(arguments) => arguments.args.first(),
         _ => None,
     };
     match (segment.ident.to_string().as_str(), argument) {
-        ("f64", None) => Kind::Real,
-        (name, None) if is_integer_type(name) => Kind::Integer(name.starts_with('u')),
-        ("Vec", Some(GenericArgument::Type(element))) => Kind::List(Rc::new(kind(element)), None),
+        ("f64", None) => FieldKind::Real,
+        (name, None) if is_integer_type(name) => FieldKind::Integer(name.starts_with('u')),
+        ("Vec", Some(GenericArgument::Type(element))) => FieldKind::List(Rc::new(kind(element)), None),
         ("Box" | "Rc" | "Arc", Some(GenericArgument::Type(inner))) => list_or_other(kind(inner), ty),
         _ => other(ty),
     }
 }
 
 /// Lists behind pointers index like lists; numbers behind pointers do not read like numbers.
-fn list_or_other(kind: Kind, ty: &Type) -> Kind {
+fn list_or_other(kind: FieldKind, ty: &Type) -> FieldKind {
     match kind {
-        Kind::List(..) => kind,
+        FieldKind::List(..) => kind,
         _ => other(ty),
     }
 }
 
-fn other(ty: &Type) -> Kind {
-    Kind::Other(source(ty))
+fn other(ty: &Type) -> FieldKind {
+    FieldKind::Other(source(ty))
 }
 
 pub(crate) fn is_integer_type(name: &str) -> bool {

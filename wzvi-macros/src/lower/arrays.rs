@@ -10,7 +10,7 @@ use super::interpreter::Interpreter;
 use super::sequences::{Sequence, Source};
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
-use crate::input::Kind;
+use crate::input::FieldKind;
 use crate::model::{Atom, Half, Index, Outlier, Slot};
 use crate::symbolic::Expr;
 
@@ -19,7 +19,7 @@ use crate::symbolic::Expr;
 pub(super) enum Origin {
     State(Half),
     /// A list of the struct, by its table number, with the kind of its elements.
-    Table(u32, Rc<Kind>),
+    Table(u32, Rc<FieldKind>),
 }
 
 /// A list, or a part of one.
@@ -49,7 +49,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// A list of the struct.
-    pub(super) fn table(&mut self, place: &Place, element: &Rc<Kind>, length: Option<usize>) -> Array {
+    pub(super) fn table(&mut self, place: &Place, element: &Rc<FieldKind>, length: Option<usize>) -> Array {
         let tokens = &place.tokens;
         let known_length = match length {
             Some(length) => Index::integer(length as i128),
@@ -60,7 +60,7 @@ impl<'a> Interpreter<'a, '_> {
         };
         let mut lengths = vec![length];
         let mut inner = &**element;
-        while let Kind::List(element, length) = inner {
+        while let FieldKind::List(element, length) = inner {
             lengths.push(*length);
             inner = element;
         }
@@ -91,32 +91,32 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// The entry of a list of the struct at `indices`.
-    fn entry(&mut self, id: u32, kind: &Kind, indices: Vec<Index>, at: &dyn ToTokens) -> Option<Value> {
+    fn entry(&mut self, id: u32, kind: &FieldKind, indices: Vec<Index>, at: &dyn ToTokens) -> Option<Value> {
         match kind {
-            Kind::Real | Kind::Constant => Some(Value::Real(self.local(Slot::Entry(id, indices)))),
-            &Kind::Integer(is_unsigned) => {
+            FieldKind::Real | FieldKind::Constant => Some(Value::Real(self.local(Slot::Entry(id, indices)))),
+            &FieldKind::Integer(is_unsigned) => {
                 Some(Value::index(Index::atom(Atom::Given(id, indices))).unsigned(is_unsigned))
             }
-            Kind::List(inner, length) => {
+            FieldKind::List(inner, length) => {
                 let length = match length {
                     Some(length) => Index::integer(*length as i128),
                     None => {
-                        let length = self.tables.part(id, quote!(.len()), true);
+                        let length = self.tables.suffixed(id, quote!(.len()), true);
                         Index::atom(Atom::Given(length, indices.clone()))
                     }
                 };
                 Some(list(Array::whole(Origin::Table(id, inner.clone()), indices, length, Vec::new())))
             }
-            Kind::Tuple(kinds, _) => {
+            FieldKind::Tuple(kinds, _) => {
                 let mut parts = Vec::new();
                 for (k, kind) in kinds.iter().enumerate() {
                     let k = proc_macro2::Literal::usize_unsuffixed(k);
-                    let id = self.tables.part(id, quote!(.#k), false);
+                    let id = self.tables.suffixed(id, quote!(.#k), false);
                     parts.push(self.entry(id, kind, indices.clone(), at)?);
                 }
                 Some(Value::tuple(parts))
             }
-            Kind::Other(ty) => {
+            FieldKind::Other(ty) => {
                 let name = self.tables.name(id);
                 self.refuse(expressions::field_type(at, &name, ty))
             }
@@ -183,7 +183,7 @@ impl<'a> Interpreter<'a, '_> {
         let index = self.evaluate(&syntax.index);
         let at = &*syntax.index;
         match (base.known()?, index.known()?) {
-            (Value::Sequence(list), Value::Sequence(range)) => self.part(&list, &range, at),
+            (Value::Sequence(list), Value::Sequence(range)) => self.slice_of_list(&list, &range, at),
             (Value::Sequence(list), index) => {
                 let k = self.as_index(&index, at)?;
                 self.item(&list, &k, at)
@@ -197,7 +197,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// `list[range]`
-    fn part(&mut self, list: &Sequence, range: &Sequence, at: &dyn ToTokens) -> Option<Value> {
+    fn slice_of_list(&mut self, list: &Sequence, range: &Sequence, at: &dyn ToTokens) -> Option<Value> {
         let Source::Range(start, end) = &range.source else {
             return self.refuse(expressions::expected(at, "an integer or a range", range.describe()));
         };
@@ -226,7 +226,7 @@ impl<'a> Interpreter<'a, '_> {
         };
         let (tokens, literal) = (&place.tokens, proc_macro2::Literal::usize_unsuffixed(k));
         let (name, tokens) = (format!("{}[{k}]", place.name), quote! { #tokens[#literal] });
-        Some(Value::Constant(Place::new(name, tokens, Kind::Constant).into()))
+        Some(Value::Constant(Place::new(name, tokens, FieldKind::Constant).into()))
     }
 
     pub(super) fn range(&mut self, syntax: &'a ExprRange) -> Option<Value> {
@@ -235,7 +235,7 @@ impl<'a> Interpreter<'a, '_> {
             Some(bound) => {
                 let value = self.evaluate(bound);
                 is_unsigned |= matches!(value, Value::Index(_, true));
-                self.settled(&value, bound).map(Some)
+                self.checked_index(&value, bound).map(Some)
             }
             None => Some(None),
         };

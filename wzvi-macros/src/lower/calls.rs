@@ -11,7 +11,7 @@ use super::names::{integer_function, is_self, key, may_be_shared, type_of};
 use super::scope::Scope;
 use super::value::Value;
 use crate::diagnostics::{expressions, messages};
-use crate::input::{Function, Library};
+use crate::input::{Library, SharedFunction};
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Option<Value> {
@@ -31,8 +31,8 @@ impl<'a> Interpreter<'a, '_> {
         if self.is_pending(&syntax.func) {
             return None;
         }
-        if let Some((function, home)) = self.shared(&syntax.func) {
-            return self.apply_shared(function, home, &syntax.args, syntax);
+        if let Some((function, library_of_type)) = self.shared(&syntax.func) {
+            return self.apply_shared(function, library_of_type, &syntax.args, syntax);
         }
         let function = match &*syntax.func {
             // A single name is a variable; as a function it is opaque.
@@ -73,7 +73,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// The shared function of a path that does not name a variable, and the library that has it.
-    fn shared(&self, function: &Syntax) -> Option<(&'a Function, &'a Library)> {
+    fn shared(&self, function: &Syntax) -> Option<(&'a SharedFunction, &'a Library)> {
         let path = self.path_of_function(function)?;
         let name = key(&path.path);
         let is_own = |known: &&syn::Ident| **known == "Self" || **known == self.system.item.ident;
@@ -88,7 +88,7 @@ impl<'a> Interpreter<'a, '_> {
     /// The library of the type in `Type::f`, while a function of that type is evaluated.
     fn siblings(&self, path: &syn::Path) -> Option<&'a Library> {
         let (owner, _) = self.now.calls.last()?.name.split_once("::")?;
-        self.now.home.filter(|_| type_of(path).is_some_and(|name| name == owner))
+        self.now.library_of_type.filter(|_| type_of(path).is_some_and(|name| name == owner))
     }
 
     /// Whether the path names a function that is yet to be defined.
@@ -102,15 +102,15 @@ impl<'a> Interpreter<'a, '_> {
         self.root.is_pending
     }
 
-    fn method(&self, name: &str) -> Option<&'a Function> {
+    fn method(&self, name: &str) -> Option<&'a SharedFunction> {
         self.root.methods.iter().find(|function| function.name == name)
     }
 
     /// Inlines the body of a shared function: it sees its parameters and the names at its definition.
     fn apply_shared(
         &mut self,
-        function: &'a Function,
-        home: &'a Library,
+        function: &'a SharedFunction,
+        library_of_type: &'a Library,
         arguments: &'a Punctuated<Syntax, Token![,]>,
         at: &dyn ToTokens,
     ) -> Option<Value> {
@@ -135,12 +135,13 @@ impl<'a> Interpreter<'a, '_> {
         if !self.spend(1, &at.to_token_stream()) {
             return None;
         }
-        let (library, caller) = (self.now.library.replace(&function.library), self.now.home.replace(home));
+        let (library, caller) =
+            (self.now.library.replace(&function.library), self.now.library_of_type.replace(library_of_type));
         self.now.calls.push(function);
         let body = |this: &mut Self| this.block(&function.block);
         let value = self.inside_function(Scope::default(), parameters.into_iter().zip(arguments), body);
         self.now.calls.pop();
-        (self.now.library, self.now.home) = (library, caller);
+        (self.now.library, self.now.library_of_type) = (library, caller);
         value
     }
 

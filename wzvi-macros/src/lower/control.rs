@@ -8,7 +8,7 @@ use syn::{Block, Expr as Syntax, ExprBinary, ExprForLoop, ExprIf, ExprRepeat, Id
 
 use super::interpreter::{Interpreter, last_expression};
 use super::operators::{Operand, compound};
-use super::patterns::Names;
+use super::patterns::BoundNames;
 use super::scope::Binding;
 use super::sequences::Sequence;
 use super::value::{Items, Value};
@@ -82,7 +82,7 @@ impl<'a> Interpreter<'a, '_> {
                 if self.is_abandoned() {
                 } else if binding.loops == self.loop_depth() || value.is_poison() {
                     self.now.scope.assign(&binding, value, self.now.frame);
-                } else if !self.request_turns(|_| true) {
+                } else if !self.request_unrolling(|_| true) {
                     self.report(expressions::long_for_loop(target));
                 }
             }
@@ -112,7 +112,7 @@ impl<'a> Interpreter<'a, '_> {
         let outer = self.now.scope.len();
         if condition.is_none() {
             // `if let` was reported.
-            let mut names = Names::default();
+            let mut names = BoundNames::default();
             names.visit_expr(&syntax.cond);
             names.0.into_iter().for_each(|name| self.declare(name, Value::Poison));
         }
@@ -181,15 +181,15 @@ impl<'a> Interpreter<'a, '_> {
         let goes_by_items = self.now.has_mutation && self.has_known_items(&sequence);
         if let Some(totals) = totals.as_ref().filter(|_| !goes_by_items) {
             match self.summing_loop(&sequence, totals, syntax) {
-                Added::All(values) => {
+                LoopSums::All(values) => {
                     for ((binding, before), added) in totals.iter().zip(values) {
                         let total = self.graph.add(*before, added);
                         self.now.scope.assign(binding, Value::Real(total), self.now.frame);
                     }
                     return Some(Value::unit());
                 }
-                Added::Failed => return None,
-                Added::NoSum => {}
+                LoopSums::Failed => return None,
+                LoopSums::NoSum => {}
             }
         }
         if !self.has_known_items(&sequence) {
@@ -199,12 +199,12 @@ impl<'a> Interpreter<'a, '_> {
             if !self.spend(1, &syntax.for_token) {
                 return None;
             }
-            self.turn(syntax, item);
+            self.iteration(syntax, item);
         }
         Some(Value::unit())
     }
 
-    fn turn(&mut self, syntax: &'a ExprForLoop, item: Value) {
+    fn iteration(&mut self, syntax: &'a ExprForLoop, item: Value) {
         let outer = self.now.scope.len();
         self.bind(&syntax.pat, item);
         self.block(&syntax.body);
@@ -238,21 +238,21 @@ impl<'a> Interpreter<'a, '_> {
         sequence: &Sequence,
         totals: &[(Rc<Binding>, Expr)],
         syntax: &'a ExprForLoop,
-    ) -> Added {
+    ) -> LoopSums {
         let placeholders: Vec<Symbol> =
             totals.iter().map(|(binding, _)| self.graph.new_symbol(binding.name.to_string())).collect();
         let mut added = Vec::new();
         // One pass per total, so that each has its own sums; without totals one pass, to report mistakes.
         for wanted in 0..totals.len().max(1) {
             let mut is_sum = true;
-            let sum = self.through(sequence, false, &syntax.for_token, &mut |this, item| {
+            let sum = self.sum_over(sequence, false, &syntax.for_token, &mut |this, item| {
                 let outer = this.now.scope.len();
                 // The body gets its own copies of the totals.
                 for ((binding, _), &placeholder) in totals.iter().zip(&placeholders) {
                     let total = Value::Real(this.graph.symbol(placeholder));
                     this.declare(binding.name.clone(), total);
                 }
-                this.turn(syntax, item);
+                this.iteration(syntax, item);
                 let own = this.now.scope.get(outer + wanted).filter(|_| wanted < totals.len());
                 this.now.scope.leave(outer);
                 let (Some(own), Some(&placeholder)) = (own, placeholders.get(wanted)) else {
@@ -270,11 +270,11 @@ impl<'a> Interpreter<'a, '_> {
             });
             match sum {
                 Some(sum) => added.push(sum),
-                None if is_sum => return Added::Failed,
-                None => return Added::NoSum,
+                None if is_sum => return LoopSums::Failed,
+                None => return LoopSums::NoSum,
             }
         }
-        Added::All(added)
+        LoopSums::All(added)
     }
 
     /// `[value; n]`
@@ -293,7 +293,7 @@ impl<'a> Interpreter<'a, '_> {
 }
 
 /// The effect of a loop on its variables.
-enum Added {
+enum LoopSums {
     All(Vec<Expr>),
     /// The loop does something else.
     NoSum,
@@ -303,7 +303,7 @@ enum Added {
 
 /// Whether a closure assigns to a variable that is not its own.
 pub(super) fn assigns_captured(closure: &syn::ExprClosure) -> bool {
-    let (mut assigned, mut own) = (Assigned::default(), Names::default());
+    let (mut assigned, mut own) = (Assigned::default(), BoundNames::default());
     assigned.visit_expr(&closure.body);
     if assigned.0.is_empty() {
         return false;

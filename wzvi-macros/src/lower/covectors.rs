@@ -1,6 +1,8 @@
-//! Covectors: forces, rates of friction, matrices of damping. A covector `f` is lowered as the function `f · δq` of virtual displacements
-//! `δq`, which is a sum like those of Hamiltonians; its components are the derivatives by `δq`. In the same way rates are
-//! `Σ_i γ_i δq_i p_i`, and a matrix is `δq · Γ p`.
+//! Covectors: forces, rates of friction, matrices of damping. A covector `f` is lowered as the function
+//! `f · δq` of virtual displacements `δq`, which is a sum like those of Hamiltonians; its components are the
+//! derivatives by `δq`. In the same way rates are `Σ_i γ_i δq_i p_i`, and a matrix is `δq · Γ p`.
+//!
+//! Tests: `tests/forces`.
 
 use quote::quote;
 use syn::{Expr as Syntax, ExprClosure, ExprRepeat, Pat};
@@ -39,7 +41,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     }
 
     /// `friction = ...` or `damping = ...`.
-    pub(super) fn friction(&mut self, declared: &'a input::Friction) -> Option<Friction> {
+    pub(super) fn friction(&mut self, declared: &'a input::DeclaredFriction) -> Option<Friction> {
         let is_matrix = declared.is_matrix;
         let (body, coordinates) = match &declared.given.value {
             Syntax::Closure(closure) => {
@@ -91,8 +93,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         })
     }
 
-    /// `temperature = ...`: one number, or `Σ_i T_i δq_i p_i` of one number for each point or degree of freedom.
-    pub(super) fn temperature(&mut self, declared: &'a input::Given) -> Option<Temperature> {
+    /// `temperature = ...`: one number, or `Σ_i T_i δq_i p_i` of one number for each point or degree of
+    /// freedom.
+    pub(super) fn temperature(&mut self, declared: &'a input::DeclaredValue) -> Option<Temperature> {
         let body = peeled(&declared.value);
         let family = match body {
             Syntax::Repeat(ExprRepeat { expr, len, .. }) => match peeled(expr) {
@@ -258,8 +261,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         Some(self.graph.product(&[entry, displacement, momentum]))
     }
 
-    /// The sum of `leaf` over the entries of `value`, which has these lengths; with `spread`, a single number applies to all entries of an
-    /// array.
+    /// The sum of `leaf` over the entries of `value`, which has these lengths; with `spread`, a single number
+    /// applies to all entries of an array.
     fn paired(
         &mut self,
         value: Value,

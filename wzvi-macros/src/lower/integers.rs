@@ -26,7 +26,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// `value` as an integer whose value matters: a negative integer of an unsigned type has overflowed.
-    pub(super) fn settled(&mut self, value: &Value, at: &dyn ToTokens) -> Option<Index> {
+    pub(super) fn checked_index(&mut self, value: &Value, at: &dyn ToTokens) -> Option<Index> {
         let index = self.as_index(value, at)?;
         let may_be_negative = index.constant < 0 || index.terms.iter().any(|(_, multiple)| *multiple < 0);
         if may_be_negative && matches!(value, Value::Index(_, true)) {
@@ -60,7 +60,7 @@ impl<'a> Interpreter<'a, '_> {
             Value::Poison => None,
             Value::Index(index, _) => match index.as_integer() {
                 Some(known) => Some(known),
-                None if index.is_closed() && self.turns_of(index) => None,
+                None if index.is_closed() && self.request_unrolling_of(index) => None,
                 None => self.refuse(expressions::index_not_known(at)),
             },
             Value::Constant(_) => self.refuse(expressions::index_not_known(at)),
@@ -78,7 +78,7 @@ impl<'a> Interpreter<'a, '_> {
     ) -> Option<Value> {
         let is_unsigned = [a, b].iter().any(|value| matches!(value, Value::Index(_, true)));
         let is_linear = matches!(operator, BinOp::Add(_) | BinOp::Sub(_) | BinOp::Mul(_));
-        let read = if is_linear { Self::as_index } else { Self::settled };
+        let read = if is_linear { Self::as_index } else { Self::checked_index };
         let (a, b) = (read(self, a, at)?, read(self, b, at)?);
         let result = match operator {
             BinOp::Add(_) => a.add(&b),

@@ -5,7 +5,7 @@ use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::{BinOp, Block, Expr as Syntax, Stmt};
 
-use super::Space;
+use super::ClosureSpace;
 use super::loops::Loops;
 use super::scope::Scope;
 use super::sequences::Sequence;
@@ -14,7 +14,7 @@ use super::type_checks::Untyped;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::distinct::Distinct;
-use crate::input::{Container, Function, Kind, Library, peeled};
+use crate::input::{Container, FieldKind, Library, SharedFunction, peeled};
 use crate::model::symbols::Symbols;
 use crate::model::{Index, Loop, Parameter};
 use crate::symbolic::{Expr, Graph};
@@ -48,7 +48,7 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) root: &'a Library,
     pub(super) symbols: Symbols,
     pub(super) tables: Tables,
-    pub(super) space: Space<'a>,
+    pub(super) space: ClosureSpace<'a>,
     /// Integers of unsigned types that may be negative, in their loops.
     pub(super) naturals: Distinct<(Vec<Loop>, Index), (Vec<Loop>, Index)>,
     pub(super) now: Evaluation<'a>,
@@ -65,9 +65,9 @@ pub(super) struct Evaluation<'a> {
     /// The shared functions of the declaration, or of the shared function that is being evaluated.
     pub(super) library: Option<&'a Library>,
     /// The library that has the shared function under evaluation, with the other functions of its type.
-    pub(super) home: Option<&'a Library>,
+    pub(super) library_of_type: Option<&'a Library>,
     /// The shared functions around the current expression.
-    pub(super) calls: Vec<&'a Function>,
+    pub(super) calls: Vec<&'a SharedFunction>,
     /// The position in the scope of the first variable of the called closure, after the captured ones.
     pub(super) frame: usize,
     /// Whether a closure assigns to captured variables: then the items that it maps must be evaluated in
@@ -88,7 +88,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         graph: Graph,
         symbols: Symbols,
         tables: Tables,
-        space: Space<'a>,
+        space: ClosureSpace<'a>,
         system: &'a Container,
         root: &'a Library,
         diagnostics: &'d mut Diagnostics,
@@ -113,10 +113,10 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.now = Evaluation { library: Some(self.root), ..Evaluation::default() };
     }
 
-    /// Reports a mistake, unless it may be resolved later: a loop that can be evaluated iteration by
-    /// iteration is repeated with the values of its variable, where the symbolic variable is not allowed.
+    /// Reports a mistake, unless unrolling may resolve it: a loop of a known range is then evaluated again,
+    /// iteration by iteration.
     pub(super) fn report(&mut self, error: syn::Error) {
-        if !self.request_turns(|_| true) {
+        if !self.request_unrolling(|_| true) {
             self.diagnostics.report(error);
         }
     }
@@ -317,13 +317,13 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     /// The content of a place: a real number is read at once, anything else on use.
     pub(super) fn place(&mut self, place: Place, at: &dyn ToTokens) -> Option<Value> {
         Some(match &place.kind {
-            Kind::Real => Value::Real(self.parameter(&place.name, place.tokens.clone())),
-            &Kind::Integer(is_unsigned) => Value::index(self.given(&place)).unsigned(is_unsigned),
-            Kind::List(element, length) => {
+            FieldKind::Real => Value::Real(self.parameter(&place.name, place.tokens.clone())),
+            &FieldKind::Integer(is_unsigned) => Value::index(self.given(&place)).unsigned(is_unsigned),
+            FieldKind::List(element, length) => {
                 Value::sequence(Sequence::array(self.table(&place, element, *length)))
             }
-            Kind::Constant => Value::Constant(place.into()),
-            Kind::Other(ty) | Kind::Tuple(_, ty) => {
+            FieldKind::Constant => Value::Constant(place.into()),
+            FieldKind::Other(ty) | FieldKind::Tuple(_, ty) => {
                 return self.refuse(expressions::field_type(at, &place.name, ty));
             }
         })

@@ -2,8 +2,8 @@
 //!
 //! A comparison decided neither by the loops nor by earlier assumptions splits the loop in two. Where a
 //! symbolic variable does not suffice (an exponent, a position in a heterogeneous list, an assignment to an
-//! outer variable), the loop is evaluated in turns: the evaluation is abandoned, and the body is evaluated
-//! again for each value of the loop variable, if these are known.
+//! outer variable), the loop is unrolled: the evaluation is abandoned, and the body is evaluated again for
+//! each value of the loop variable, if these are known.
 //!
 //! Tests: `lower/tests/messages.rs`, `tests/loops/ranges.rs`.
 
@@ -44,14 +44,14 @@ pub(super) struct Loops {
     /// Outermost first.
     pub(super) active: Vec<Loop>,
     cases: Vec<Case>,
-    /// The loop to be evaluated in turns: the evaluation up to it is abandoned.
-    by_turns: Option<u32>,
+    /// The variable of the loop to be unrolled: the evaluation inside it is abandoned.
+    unrolled: Option<u32>,
 }
 
 impl<'a> Interpreter<'a, '_> {
     /// Whether the evaluation returns to a loop that starts again. Intermediate results are then meaningless.
     pub(super) fn is_abandoned(&self) -> bool {
-        self.now.loops.by_turns.is_some()
+        self.now.loops.unrolled.is_some()
     }
 
     /// Number of loops around the current expression.
@@ -59,35 +59,35 @@ impl<'a> Interpreter<'a, '_> {
         self.now.loops.active.len()
     }
 
-    /// Whether the evaluation was abandoned for turns of the loop over `variable`; if so, resumes it.
-    pub(super) fn takes_turns(&mut self, variable: u32) -> bool {
-        let is_own = self.now.loops.by_turns == Some(variable);
+    /// Whether the evaluation was abandoned to unroll the loop over `variable`; if so, ends the abandonment.
+    pub(super) fn is_unrolled(&mut self, variable: u32) -> bool {
+        let is_own = self.now.loops.unrolled == Some(variable);
         if is_own {
-            self.now.loops.by_turns = None;
+            self.now.loops.unrolled = None;
         }
         is_own
     }
 
-    /// Abandons the evaluation for turns of the innermost of `variables` whose values are known; `false` if
-    /// none are.
-    pub(super) fn request_turns(&mut self, wanted: impl Fn(u32) -> bool) -> bool {
+    /// Abandons the evaluation to unroll the innermost loop whose variable is `wanted` and whose range is
+    /// known; `false` if there is none.
+    pub(super) fn request_unrolling(&mut self, wanted: impl Fn(u32) -> bool) -> bool {
         if self.is_abandoned() {
             return true;
         }
         let mut loops = self.now.loops.active.iter().rev().filter(|known| wanted(known.variable));
-        let found = loops.find(|known| self.has_known_turns(known)).map(|known| known.variable);
-        self.now.loops.by_turns = found;
+        let found = loops.find(|known| self.has_known_range(known)).map(|known| known.variable);
+        self.now.loops.unrolled = found;
         found.is_some()
     }
 
-    /// Abandons the evaluation for turns of a loop that an integer depends on; `false` if there is none.
-    pub(super) fn turns_of(&mut self, index: &Index) -> bool {
+    /// Abandons the evaluation to unroll a loop that an integer depends on; `false` if there is none.
+    pub(super) fn request_unrolling_of(&mut self, index: &Index) -> bool {
         let depends = index.loops();
-        self.request_turns(|variable| depends.contains(&variable))
+        self.request_unrolling(|variable| depends.contains(&variable))
     }
 
-    /// Whether the bounds of a loop are known once those of the loops around it have turns.
-    fn has_known_turns(&self, known: &Loop) -> bool {
+    /// Whether the range of a loop is known once the loops around it are unrolled.
+    fn has_known_range(&self, known: &Loop) -> bool {
         let is_known = |bound: &Index| {
             bound.is_closed()
                 && bound.loops().iter().all(|variable| {
@@ -95,7 +95,7 @@ impl<'a> Interpreter<'a, '_> {
                         self.now.loops.active.iter().take_while(|outer| outer.variable != known.variable);
                     outer
                         .find(|outer| outer.variable == *variable)
-                        .is_some_and(|outer| self.has_known_turns(outer))
+                        .is_some_and(|outer| self.has_known_range(outer))
                 })
         };
         is_known(&known.start) && is_known(&known.end)
@@ -217,7 +217,7 @@ impl<'a> Interpreter<'a, '_> {
         if self.now.loops.active.len() >= MOST_NESTED {
             return self.refuse(expressions::too_many_loops(at, MOST_NESTED));
         }
-        // Evaluated once, for any number of turns.
+        // The body is evaluated once, for any number of iterations.
         let variable = self.symbols.variable(self.now.loops.active.len());
         let whole = Loop { variable, start: Index::default(), end: length.clone() };
         let outer = (self.now.loops.active.len(), self.now.loops.cases.len());
@@ -226,7 +226,7 @@ impl<'a> Interpreter<'a, '_> {
         self.now.loops.active.truncate(outer.0);
         self.now.loops.cases.truncate(outer.1);
         self.now.scope.leave(scope);
-        if !self.takes_turns(variable) {
+        if !self.is_unrolled(variable) {
             return sum;
         }
         let length = self.known_integer(Value::index(length.clone()), at)?;

@@ -11,7 +11,7 @@ use crate::diagnostics::expressions;
 use crate::symbolic::{Expr, Junction};
 
 /// An arm with its condition. The condition of the last arm is not used.
-struct Choice<'a> {
+struct MatchArm<'a> {
     condition: Option<Expr>,
     value: Value,
     body: &'a Syntax,
@@ -34,7 +34,7 @@ impl<'a> Interpreter<'a, '_> {
 
     /// The value of the arm known to be taken, or a choice between the possible arms.
     fn choose_arm(&mut self, scrutinee: &Value, syntax: &'a ExprMatch) -> Option<Value> {
-        let mut choices: Vec<Choice<'a>> = Vec::new();
+        let mut choices: Vec<MatchArm<'a>> = Vec::new();
         for arm in &syntax.arms {
             let condition = match self.pattern_condition(scrutinee, &arm.pat) {
                 Some(Value::Known(false)) => continue,
@@ -48,7 +48,7 @@ impl<'a> Interpreter<'a, '_> {
                     self.evaluate(&arm.body);
                     self.now.branch -= 1;
                     self.now.scope.leave(outer);
-                    choices.push(Choice { condition: None, value: Value::Poison, body: &arm.body });
+                    choices.push(MatchArm { condition: None, value: Value::Poison, body: &arm.body });
                     continue;
                 }
             };
@@ -56,7 +56,7 @@ impl<'a> Interpreter<'a, '_> {
                 self.now.branch += 1;
             }
             let value = self.evaluate(&arm.body);
-            choices.push(Choice { condition, value, body: &arm.body });
+            choices.push(MatchArm { condition, value, body: &arm.body });
             if condition.is_none() {
                 break;
             }
@@ -134,7 +134,7 @@ impl<'a> Interpreter<'a, '_> {
                 self.compared(&operator, own, value, pattern)
             }
             (Value::Index(..) | Value::Constant(_), value @ (Value::Index(..) | Value::Constant(_))) => {
-                let own = Value::index(self.settled(scrutinee, pattern)?);
+                let own = Value::index(self.checked_index(scrutinee, pattern)?);
                 self.compared(&operator, Operand::new(own, pattern), Operand::new(value, pattern), pattern)
             }
             _ => {

@@ -101,7 +101,7 @@ impl<'a> Interpreter<'a, '_> {
         let receiver = origin(&syntax.receiver);
         let mut has_integers = asks_for(syntax, is_integer_type);
         if !has_integers {
-            let sum = self.through(sequence, false, receiver, &mut |this, item| {
+            let sum = self.sum_over(sequence, false, receiver, &mut |this, item| {
                 has_integers |= item.is_integer() && !asks_for(syntax, |name| name == "f64");
                 if has_integers { None } else { this.real(item, receiver) }
             });
@@ -146,7 +146,7 @@ impl<'a> Interpreter<'a, '_> {
             let placeholder = self.graph.new_symbol("");
             let total = self.graph.symbol(placeholder);
             let mut is_sum = true;
-            let added = self.through(sequence, false, method, &mut |this, item| {
+            let added = self.sum_over(sequence, false, method, &mut |this, item| {
                 let next = this.apply(function, vec![Value::Real(total), item], method)?;
                 let next = this.real(next, method)?;
                 let added = this.graph.subtract(next, total);
@@ -171,7 +171,7 @@ impl<'a> Interpreter<'a, '_> {
         Some(total)
     }
 
-    /// Whether the items can be evaluated one by one, now or in turns of the surrounding loops.
+    /// Whether the items can be evaluated one by one, now or when the surrounding loops are unrolled.
     pub(super) fn has_known_items(&self, sequence: &Sequence) -> bool {
         sequence.length.as_ref().is_none_or(Index::is_closed)
     }

@@ -44,14 +44,14 @@ use tables::Tables;
 use value::Value;
 
 pub(crate) use names::{is_constant_name, is_self, key, may_be_shared, type_of};
-pub(crate) use patterns::Names;
+pub(crate) use patterns::BoundNames;
 
 /// The most members of a family that become separate noises.
 const MOST_MEMBERS: i128 = 10_000;
 
 /// Reports each field that has the name of a closure variable, which is ambiguous.
 fn check_names(container: &Container, declaration: &Declaration, diagnostics: &mut Diagnostics) {
-    let mut names = patterns::Names::default();
+    let mut names = patterns::BoundNames::default();
     for closure in declaration.in_order() {
         let variables = closure.closure.inputs.len() - usize::from(closure.family.is_some());
         closure.closure.inputs.iter().take(variables).for_each(|pattern| names.visit_pat(pattern));
@@ -78,7 +78,7 @@ pub(crate) fn lower(
     symbols.declare_phase(&mut graph, &phase_space.q, &phase_space.p);
     let t = graph.new_symbol(&phase_space.t);
     let mut tables = Tables::default();
-    let space = Space::new(&mut tables, &phase_space.shape, t);
+    let space = ClosureSpace::new(&mut tables, &phase_space.shape, t);
     let library = &declaration.library;
     let mut interpreter = Interpreter::new(graph, symbols, tables, space, &container, library, diagnostics);
 
@@ -118,7 +118,7 @@ pub(crate) fn lower(
         tables: tables.into_list(),
         naturals: naturals.values,
         drift,
-        parts,
+        summands: parts,
         noise: noise.into_iter().flatten().collect(),
         force: force?.pop(),
         friction: required(friction)?,
@@ -145,7 +145,7 @@ fn required<T>(declared: Option<Option<T>>) -> Option<Option<T>> {
 }
 
 /// The phase space seen by closures.
-struct Space<'s> {
+struct ClosureSpace<'s> {
     shape: &'s Shape,
     /// The outermost size.
     size: Index,
@@ -154,7 +154,7 @@ struct Space<'s> {
     t: Symbol,
 }
 
-impl<'s> Space<'s> {
+impl<'s> ClosureSpace<'s> {
     fn new(tables: &mut Tables, shape: &'s Shape, t: Symbol) -> Self {
         let (size, inner) = match shape {
             Shape::Real => (Index::integer(1), Vec::new()),
@@ -195,7 +195,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         let variable = self.symbols.variable(0);
         let range = Loop { variable, start: Index::default(), end: count.clone() };
         let term = self.term(noise, Some((Index::atom(Atom::Loop(variable)), Some(&range))));
-        if !self.takes_turns(variable) {
+        if !self.is_unrolled(variable) {
             return Some(vec![Noise { term: term?, family: Some(Family { variable, count }), is_force }]);
         }
         let count = count.as_integer()?;

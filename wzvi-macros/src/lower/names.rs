@@ -10,7 +10,7 @@ use super::floats::is_real_method;
 use super::interpreter::Interpreter;
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
-use crate::input::{Field, Kind, is_integer_type, peeled};
+use crate::input::{Field, FieldKind, is_integer_type, peeled};
 
 impl<'a> Interpreter<'a, '_> {
     /// A path that is used as a value.
@@ -42,7 +42,7 @@ impl<'a> Interpreter<'a, '_> {
             return self.refuse(expressions::unsupported(name, "the struct as a whole", remedy));
         }
         if is_constant_name(name) {
-            return Some(Value::Constant(Place::new(name.to_string(), tokens, Kind::Constant).into()));
+            return Some(Value::Constant(Place::new(name.to_string(), tokens, FieldKind::Constant).into()));
         }
         let fields = self.field_names();
         if let Some(advice) = self.now.advice {
@@ -61,7 +61,7 @@ impl<'a> Interpreter<'a, '_> {
             [] => return None,
         };
         if path.path.segments.last().is_some_and(|last| is_constant_name(&last.ident)) {
-            let place = Place::new(name, path.to_token_stream(), Kind::Constant);
+            let place = Place::new(name, path.to_token_stream(), FieldKind::Constant);
             return Some(Value::Constant(place.into()));
         }
         self.function_of_reals(path)

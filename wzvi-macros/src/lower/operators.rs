@@ -7,7 +7,7 @@ use super::interpreter::Interpreter;
 use super::names::{is_real_type, key};
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
-use crate::input::{Kind, is_integer_type, peeled};
+use crate::input::{FieldKind, is_integer_type, peeled};
 use crate::model::Index;
 use crate::symbolic::{Expr, Junction, Rational, Relation};
 
@@ -248,7 +248,7 @@ impl<'a> Interpreter<'a, '_> {
                 Some([a, b].map(|holds| Some(Index::integer(holds.into()))))
             }
             _ if self.are_integers(&left, &right) => {
-                Some([self.settled(&left, at_left), self.settled(&right, at_right)])
+                Some([self.checked_index(&left, at_left), self.checked_index(&right, at_right)])
             }
             _ => None,
         };
@@ -369,7 +369,7 @@ impl<'a> Interpreter<'a, '_> {
             }
             Value::Constant(place) => {
                 let (name, tokens, ty) = (place.name.clone(), &place.tokens, &syntax.ty);
-                let cast = Place::new(name, quote! { (#tokens as #ty) }, Kind::Constant);
+                let cast = Place::new(name, quote! { (#tokens as #ty) }, FieldKind::Constant);
                 Some(Value::index(self.given(&cast)).unsigned(is_unsigned))
             }
             Value::Real(_) => self.refuse(expressions::truncation(syntax)),
@@ -380,7 +380,7 @@ impl<'a> Interpreter<'a, '_> {
     /// `value as f64`
     pub(super) fn cast_to_real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
         match value {
-            Value::Index(..) => self.settled(&value, at).map(|index| self.index_as_real(&index)),
+            Value::Index(..) => self.checked_index(&value, at).map(|index| self.index_as_real(&index)),
             Value::Constant(place) => Some(self.integer_parameter(&place.name, place.as_real())),
             value => self.real(value, at),
         }

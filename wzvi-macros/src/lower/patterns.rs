@@ -37,7 +37,7 @@ impl<'a> Interpreter<'a, '_> {
 
     /// Declares the names of a reported pattern, to avoid further messages at their uses.
     pub(super) fn poison(&mut self, pattern: &Pat) {
-        let mut names = Names::default();
+        let mut names = BoundNames::default();
         names.visit_pat(pattern);
         for name in names.0 {
             self.declare(name, Value::Poison);
@@ -51,7 +51,7 @@ impl<'a> Interpreter<'a, '_> {
         is_list: bool,
         at: &Pat,
     ) {
-        let Some(items) = self.parts(value, is_list, patterns, at.to_token_stream()) else {
+        let Some(items) = self.elements_of(value, is_list, patterns, at.to_token_stream()) else {
             return self.poison(at);
         };
         let of_rest = (items.len() + 1).saturating_sub(patterns.len());
@@ -69,7 +69,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// The elements of `value`, if it matches the pattern.
-    fn parts(
+    fn elements_of(
         &mut self,
         value: Value,
         is_list: bool,
@@ -100,9 +100,9 @@ impl<'a> Interpreter<'a, '_> {
 
 /// The names that a pattern or a `const` binds, or might.
 #[derive(Default)]
-pub(crate) struct Names(pub(crate) Vec<Ident>);
+pub(crate) struct BoundNames(pub(crate) Vec<Ident>);
 
-impl Visit<'_> for Names {
+impl Visit<'_> for BoundNames {
     fn visit_pat_ident(&mut self, pattern: &PatIdent) {
         self.0.push(pattern.ident.clone());
         visit::visit_pat_ident(self, pattern);

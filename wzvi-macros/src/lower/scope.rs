@@ -14,7 +14,7 @@ pub(super) struct Binding {
     pub(super) value: RefCell<Value>,
     /// Number of undecided branches around its declaration: it may only be assigned there.
     pub(super) branch: u32,
-    /// Number of loops around its declaration: an assignment inside more loops has these evaluated in turns.
+    /// Number of loops around its declaration: an assignment inside more loops unrolls these.
     pub(super) loops: usize,
 }
 

@@ -17,7 +17,7 @@ use crate::symbolic::{Expr, Rational};
 type ItemAt = Box<dyn for<'a, 'd> Fn(&mut Interpreter<'a, 'd>, &Index, &dyn ToTokens) -> Option<Value>>;
 
 /// The term of an item.
-type Each<'f, I> = &'f mut dyn FnMut(&mut I, Value) -> Option<Expr>;
+type ItemTerm<'f, I> = &'f mut dyn FnMut(&mut I, Value) -> Option<Expr>;
 
 /// A list, a range, or an iterator.
 pub(super) struct Sequence {
@@ -89,7 +89,7 @@ impl Sequence {
     }
 
     /// A sequence that has to be enumerated.
-    fn walked(source: Source, depth: u32) -> Self {
+    fn enumerated(source: Source, depth: u32) -> Self {
         Self { source, length: None, item: None, depth }
     }
 
@@ -104,7 +104,7 @@ impl Sequence {
     }
 
     /// Lists of adjacent items, by start and length.
-    fn stretches(
+    fn slices(
         inner: Rc<Self>,
         length: Option<Index>,
         stretch: impl Fn(&Index) -> Option<(Index, Index)> + 'static,
@@ -112,7 +112,7 @@ impl Sequence {
         let depth = inner.depth + 1;
         Self::new(Source::Positions, depth, length, move |this, k, at| {
             let (start, length) = stretch(k)?;
-            this.stretch(&inner, &start, &length, at)
+            this.slice(&inner, &start, &length, at)
         })
     }
 
@@ -120,7 +120,7 @@ impl Sequence {
     fn mapped(inner: Rc<Self>, function: Value) -> Self {
         let depth = inner.depth + 1;
         if inner.item.is_none() {
-            return Self::walked(Source::Map(inner, function), depth);
+            return Self::enumerated(Source::Map(inner, function), depth);
         }
         Self::new(Source::Positions, depth, inner.length.clone(), move |this, k, at| {
             let item = this.item(&inner, k, at)?;
@@ -143,7 +143,7 @@ impl Sequence {
     fn chained(this: &Interpreter<'_, '_>, a: Rc<Self>, b: Rc<Self>) -> Self {
         let (source, depth) = (Source::Chain(a.clone(), b.clone()), a.depth.max(b.depth) + 1);
         let (Some(_), Some(_), Some(first)) = (&a.item, &b.item, this.length(&a)) else {
-            return Self::walked(source, depth);
+            return Self::enumerated(source, depth);
         };
         let length = this.length(&b).and_then(|second| first.add(&second));
         Self::new(source, depth, length, move |this, k, at| {
@@ -203,9 +203,11 @@ impl<'a> Interpreter<'a, '_> {
         let depth = inner.depth + 1;
         match name {
             "map" => return Some(Sequence::mapped(inner, argument.clone())),
-            "filter" => return Some(Sequence::walked(Source::Filter(inner, argument.clone()), depth)),
-            "flat_map" => return Some(Sequence::walked(Source::Flat(inner, Some(argument.clone())), depth)),
-            "flatten" => return Some(Sequence::walked(Source::Flat(inner, None), depth)),
+            "filter" => return Some(Sequence::enumerated(Source::Filter(inner, argument.clone()), depth)),
+            "flat_map" => {
+                return Some(Sequence::enumerated(Source::Flat(inner, Some(argument.clone())), depth));
+            }
+            "flatten" => return Some(Sequence::enumerated(Source::Flat(inner, None), depth)),
             "chain" => return self.as_sequence(argument, at).map(|b| Sequence::chained(self, inner, b)),
             _ => {}
         }
@@ -224,7 +226,7 @@ impl<'a> Interpreter<'a, '_> {
                 let last = end.shifted(-1)?;
                 return Some(Sequence::moved(inner, length, move |k| last.subtract(k)));
             }
-            "skip" | "take" => self.settled(argument, at)?,
+            "skip" | "take" => self.checked_index(argument, at)?,
             _ => Index::integer(self.known_integer(argument.clone(), at)?),
         };
         let least = i128::from(!matches!(name, "skip" | "take"));
@@ -246,9 +248,9 @@ impl<'a> Interpreter<'a, '_> {
             "step_by" => Sequence::moved(inner, parts, move |k| k.multiply(&number)),
             "windows" => {
                 let length = length.and_then(|length| length.subtract(&last));
-                Sequence::stretches(inner, length, move |k| Some((k.clone(), number.clone())))
+                Sequence::slices(inner, length, move |k| Some((k.clone(), number.clone())))
             }
-            _ => Sequence::stretches(inner, parts, move |k| {
+            _ => Sequence::slices(inner, parts, move |k| {
                 let start = k.multiply(&number)?;
                 let rest = length.as_ref()?.subtract(&start)?;
                 Some((start, rest.minimum(&number)))
@@ -276,7 +278,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// `length` items from `start` on, as a list.
-    fn stretch(
+    fn slice(
         &mut self,
         sequence: &Sequence,
         start: &Index,
@@ -304,7 +306,7 @@ impl<'a> Interpreter<'a, '_> {
         }
         if sequence.item.is_none() {
             let mut all = Vec::new();
-            self.through(sequence, true, at, &mut |this, item| {
+            self.sum_over(sequence, true, at, &mut |this, item| {
                 all.push(item);
                 Some(this.graph.integer(0))
             })?;
@@ -327,7 +329,7 @@ impl<'a> Interpreter<'a, '_> {
         if let Some(known) = length.as_integer() {
             return Some(usize::try_from(known).unwrap_or(0));
         }
-        if !self.turns_of(length) {
+        if !self.request_unrolling_of(length) {
             self.report(expressions::list_of_unknown_length(at));
         }
         None
@@ -335,19 +337,19 @@ impl<'a> Interpreter<'a, '_> {
 
     /// `Σ f(item)`, with a symbol for every loop; with `one_by_one` there is no loop, and filter conditions
     /// must be known.
-    pub(super) fn through(
+    pub(super) fn sum_over(
         &mut self,
         sequence: &Sequence,
         one_by_one: bool,
         at: &dyn ToTokens,
-        f: Each<'_, Self>,
+        f: ItemTerm<'_, Self>,
     ) -> Option<Expr> {
         match &sequence.source {
-            Source::Map(inner, function) => self.through(inner, one_by_one, at, &mut |this, item| {
+            Source::Map(inner, function) => self.sum_over(inner, one_by_one, at, &mut |this, item| {
                 let mapped = this.apply(function, vec![item], at).unwrap_or_default();
                 f(this, mapped)
             }),
-            Source::Filter(inner, predicate) => self.through(inner, one_by_one, at, &mut |this, item| {
+            Source::Filter(inner, predicate) => self.sum_over(inner, one_by_one, at, &mut |this, item| {
                 let zero = this.graph.integer(0);
                 match this.apply(predicate, vec![item.clone()], at)? {
                     Value::Known(true) => f(this, item),
@@ -361,16 +363,16 @@ impl<'a> Interpreter<'a, '_> {
                     other => this.no_condition(predicate, &other, one_by_one, at),
                 }
             }),
-            Source::Flat(inner, function) => self.through(inner, one_by_one, at, &mut |this, item| {
+            Source::Flat(inner, function) => self.sum_over(inner, one_by_one, at, &mut |this, item| {
                 let list = match function {
                     Some(function) => this.apply(function, vec![item], at)?,
                     None => item,
                 };
                 let list = this.as_sequence(&list, at)?;
-                this.through(&list, one_by_one, at, f)
+                this.sum_over(&list, one_by_one, at, f)
             }),
             Source::Chain(a, b) => {
-                let (a, b) = (self.through(a, one_by_one, at, f)?, self.through(b, one_by_one, at, f)?);
+                let (a, b) = (self.sum_over(a, one_by_one, at, f)?, self.sum_over(b, one_by_one, at, f)?);
                 Some(self.graph.add(a, b))
             }
             Source::Range(..) | Source::Array(_) | Source::Positions => match &sequence.length {
@@ -385,7 +387,12 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// `Σ f(item)` over items known one by one.
-    fn sum_of_items(&mut self, sequence: &Sequence, at: &dyn ToTokens, f: Each<'_, Self>) -> Option<Expr> {
+    fn sum_of_items(
+        &mut self,
+        sequence: &Sequence,
+        at: &dyn ToTokens,
+        f: ItemTerm<'_, Self>,
+    ) -> Option<Expr> {
         let mut terms = Vec::new();
         for item in self.items(sequence, at)? {
             terms.push((f(self, item)?, Rational::ONE));

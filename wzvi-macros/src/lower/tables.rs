@@ -46,7 +46,7 @@ impl Tables {
     }
 
     /// The number of the table of integers that `suffix` reads from the entries of a list.
-    pub(super) fn part(&mut self, id: u32, suffix: TokenStream, is_unsigned: bool) -> u32 {
+    pub(super) fn suffixed(&mut self, id: u32, suffix: TokenStream, is_unsigned: bool) -> u32 {
         let Some(list) = self.0.values.get(id as usize).cloned() else { return id };
         let name = format!("{}{suffix}", list.name).replace(' ', "");
         let key = format!("{} [..] {suffix}", list.tokens);

@@ -8,7 +8,7 @@ use quote::{ToTokens, quote};
 use syn::{Expr, ExprClosure, ExprRepeat, GenericParam, Generics, Member};
 
 use super::scope::context;
-use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape, peeled};
+use crate::input::{Container, Declaration, DeclaredValue, Field, FieldKind, Hamiltonian, Shape, peeled};
 use crate::symbolic::NAMES;
 use crate::tokens::{self, words};
 
@@ -26,7 +26,7 @@ pub(super) fn type_checks(
     let root = &declaration.crate_path;
     let (path, checks) = (quote!(#root::__private::checks), unused_name(system, declaration));
     let vector = if matches!(shape, Shape::Real) { quote!(#checks::f64) } else { shape.tokens() };
-    let takers = Takers { checks: &checks, vector: &vector, untyped };
+    let takers = ClosureChecks { checks: &checks, vector: &vector, untyped };
     let entries = match shape {
         Shape::Real => quote!(#checks::entry),
         Shape::Array(point, _) => {
@@ -93,7 +93,7 @@ fn unused_name(system: &Container, declaration: &Declaration) -> TokenStream {
 }
 
 /// The expressions of `friction`, `damping` and `temperature`.
-fn given(declaration: &Declaration) -> impl Iterator<Item = &Given> {
+fn given(declaration: &Declaration) -> impl Iterator<Item = &DeclaredValue> {
     declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature)
 }
 
@@ -141,13 +141,13 @@ fn place(name: &Ident) -> String {
 }
 
 /// The functions of the run time that take closures, by the arguments of these.
-struct Takers<'t> {
+struct ClosureChecks<'t> {
     checks: &'t TokenStream,
     vector: &'t TokenStream,
     untyped: &'t Untyped,
 }
 
-impl Takers<'_> {
+impl ClosureChecks<'_> {
     /// One closure as `rewritten`, with the fields it names in scope.
     fn check(&self, system: &Container, hamiltonian: &Hamiltonian, rewritten: TokenStream) -> TokenStream {
         let fields = fields_in(system, &hamiltonian.tokens);
@@ -164,7 +164,7 @@ impl Takers<'_> {
     }
 
     /// An expression of fields, or a closure of the coordinates.
-    fn check_given(&self, system: &Container, given: &Given) -> TokenStream {
+    fn check_given(&self, system: &Container, given: &DeclaredValue) -> TokenStream {
         let fields = fields_in(system, &given.tokens);
         let Self { checks, vector, untyped } = self;
         let expression = with_our_self(untyped.as_reals(given.tokens.clone(), checks));
@@ -175,7 +175,7 @@ impl Takers<'_> {
     }
 
     /// A temperature, whose closures are of the time, or of the index of a site and the time.
-    fn check_temperature(&self, system: &Container, given: &Given) -> TokenStream {
+    fn check_temperature(&self, system: &Container, given: &DeclaredValue) -> TokenStream {
         let (fields, checks) = (fields_in(system, &given.tokens), self.checks);
         let own = |tokens: TokenStream| with_our_self(self.untyped.as_reals(tokens, checks));
         let of_time = |closure: &ExprClosure| {
@@ -235,7 +235,7 @@ fn bindings(field: &Field, used: &[Ident]) -> Vec<TokenStream> {
 
 /// Whether the field is copied into scope: then `a > 0.0` and `f64::sin(a)` are valid without `*`.
 fn is_scalar(field: &Field) -> bool {
-    matches!(field.kind, Kind::Real | Kind::Integer(_))
+    matches!(field.kind, FieldKind::Real | FieldKind::Integer(_))
 }
 
 /// The tokens with every `self` referring to the surrounding method, whichever macro wrote it.

@@ -7,7 +7,7 @@ use quote::{ToTokens, quote};
 use syn::BinOp;
 
 use super::sequences::Sequence;
-use crate::input::Kind;
+use crate::input::FieldKind;
 use crate::model::Index;
 use crate::symbolic::Expr;
 
@@ -61,13 +61,13 @@ pub(super) struct Place {
     pub(super) name: String,
     /// The tokens that read it: `self.masses[2]`.
     pub(super) tokens: TokenStream,
-    pub(super) kind: Kind,
+    pub(super) kind: FieldKind,
     /// The operands of arithmetic of constants; a sign has no left one.
     pub(super) made_of: Option<(Option<Rc<Place>>, BinOp, Rc<Place>)>,
 }
 
 impl Place {
-    pub(super) fn new(name: String, tokens: TokenStream, kind: Kind) -> Self {
+    pub(super) fn new(name: String, tokens: TokenStream, kind: FieldKind) -> Self {
         Self { name, tokens, kind, made_of: None }
     }
 
@@ -122,7 +122,7 @@ impl Value {
         let name = format!("({}{} {})", name.unwrap_or_default(), operator.to_token_stream(), right.name);
         let read = &right.tokens;
         let is_short = name.len() <= LONGEST_NAME;
-        let mut place = Place::new(name, quote! { (#tokens #operator #read) }, Kind::Constant);
+        let mut place = Place::new(name, quote! { (#tokens #operator #read) }, FieldKind::Constant);
         place.made_of = Some((left, *operator, right.clone()));
         is_short.then(|| Self::Constant(place.into()))
     }

@@ -1,6 +1,6 @@
 //! Indices and slots for a reader.
 
-use super::index::{Atom, Index, Operation};
+use super::index::{Atom, Index, IndexOperation};
 use super::{Half, Loop, Slot, System, Table};
 use crate::diagnostics::promised;
 use crate::symbolic::signed;
@@ -13,14 +13,14 @@ pub(crate) fn letter_at(depth: usize) -> &'static str {
     LETTERS[depth.min(LETTERS.len() - 1)]
 }
 
-/// What the parts of an index are called.
-pub(crate) struct Names<'a> {
+/// The names of the parts of an index.
+pub(crate) struct IndexNames<'a> {
     pub(crate) tables: &'a [Table],
-    /// Of a loop variable.
+    /// The letter of a loop variable.
     pub(crate) letter: &'a dyn Fn(u32) -> &'static str,
 }
 
-impl Names<'_> {
+impl IndexNames<'_> {
     fn table(&self, id: u32) -> &str {
         self.tables.get(id as usize).map_or("?", |table| table.name.as_str())
     }
@@ -50,11 +50,11 @@ impl Names<'_> {
             Atom::Size => "n".to_owned(),
             Atom::Given(id, indices) => self.entry(*id, indices),
             Atom::Of(operation, both) => match operation {
-                Operation::Product => two(both, " * "),
-                Operation::Quotient => format!("({})", two(both, " / ")),
-                Operation::Remainder => format!("({})", two(both, " mod ")),
-                Operation::Minimum => two_of(both, "min"),
-                Operation::Maximum => two_of(both, "max"),
+                IndexOperation::Product => two(both, " * "),
+                IndexOperation::Quotient => format!("({})", two(both, " / ")),
+                IndexOperation::Remainder => format!("({})", two(both, " mod ")),
+                IndexOperation::Minimum => two_of(both, "min"),
+                IndexOperation::Maximum => two_of(both, "max"),
             },
         }
     }
@@ -64,7 +64,7 @@ impl Names<'_> {
         format!("{}{}", self.table(table), indices.collect::<String>())
     }
 
-    /// What stands at `slot`, by the names of coordinates and momenta, of whose components each point has so many.
+    /// The displayed name of a slot. A point has `components` numbers.
     pub(crate) fn slot(&self, slot: &Slot, [q, p]: &[String; 2], components: i128) -> String {
         // `[point]`, or `[point][component]` for points of several components.
         let at = |index: &Index| match index.divided(components) {
@@ -94,12 +94,13 @@ impl System {
             let depth = loops.iter().position(|known| known.variable == variable);
             depth.map_or("k", letter_at)
         };
-        Names { tables: &self.tables, letter: &letter }.index(index)
+        IndexNames { tables: &self.tables, letter: &letter }.index(index)
     }
 
-    /// The number of each noise as it is written behind `H`: `_k` for the members of a family, after the noises before it.
+    /// The number of each noise as it is written behind `H`: `_k` for the members of a family, after the
+    /// noises before it.
     pub(crate) fn noise_numbers(&self) -> Vec<String> {
-        let names = Names { tables: &self.tables, letter: &|_| "k" };
+        let names = IndexNames { tables: &self.tables, letter: &|_| "k" };
         let numbers = self.noise.iter().zip(self.noise_offsets()).map(|(noise, offset)| {
             let first = promised(offset.shifted(1), "numbers of noises are integers");
             match (&noise.family, offset.as_integer()) {

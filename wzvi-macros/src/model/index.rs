@@ -1,15 +1,15 @@
-//! Integer expressions of loop variables and sizes, in a normal form: a constant plus integer multiples of atoms.
-//! Two indices are equal wherever their forms are; `i + 1` and `1 + i` are one form.
+//! Integer expressions of loop variables and sizes, in a normal form: a constant plus integer multiples of
+//! atoms. Two indices are equal wherever their forms are; `i + 1` and `1 + i` are one form.
 //!
-//! What the compiler can decide about them decides how systems are solved: the difference of two indices of one element
-//! is a constant (a band), wraps around (a ring), or is known to the running program only (a table).
+//! Differences of indices decide how systems are solved: the difference of two indices of one element is a
+//! constant (a band), wraps around (a ring), or is known to the running program only (a table).
 
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Table;
 
-/// What an index is made of besides integers.
+/// A part of an index that is not a known integer.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) enum Atom {
     /// The variable of a loop.
@@ -18,12 +18,12 @@ pub(crate) enum Atom {
     Size,
     /// An integer that the struct or a constant holds: the entry of a list, if there are indices.
     Given(u32, Vec<Index>),
-    Of(Operation, Box<(Index, Index)>),
+    Of(IndexOperation, Box<(Index, Index)>),
 }
 
-/// What an atom is made of two indices by, as Rust computes it.
+/// A binary operation on integers, with Rust's rounding.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(crate) enum Operation {
+pub(crate) enum IndexOperation {
     Product,
     /// Rounded towards zero.
     Quotient,
@@ -32,7 +32,7 @@ pub(crate) enum Operation {
     Maximum,
 }
 
-impl Operation {
+impl IndexOperation {
     /// `None` on overflow, and for a division by zero.
     fn of(self, a: i128, b: i128) -> Option<i128> {
         match self {
@@ -122,27 +122,27 @@ impl Index {
     }
 
     /// An atom, whatever is known of both.
-    pub(crate) fn of(operation: Operation, a: Self, b: Self) -> Self {
+    pub(crate) fn of(operation: IndexOperation, a: Self, b: Self) -> Self {
         Self::atom(Atom::Of(operation, Box::new((a, b))))
     }
 
-    /// The same in normal form; `None` on overflow, and for a division by zero.
-    pub(crate) fn operate(&self, operation: Operation, other: &Self) -> Option<Self> {
+    /// The result of an operation in normal form; `None` on overflow, and for a division by zero.
+    pub(crate) fn operate(&self, operation: IndexOperation, other: &Self) -> Option<Self> {
         let difference = || self.subtract(other).and_then(|difference| difference.as_integer());
         let first = match (operation, self.as_integer(), other.as_integer()) {
             (_, Some(a), Some(b)) => return operation.of(a, b).map(Self::integer),
-            (Operation::Product, _, Some(factor)) => return Self::default().plus(self, factor),
-            (Operation::Product, Some(factor), _) => return Self::default().plus(other, factor),
-            (Operation::Quotient | Operation::Remainder, _, Some(0)) => return None,
-            (Operation::Quotient, _, Some(1)) => return Some(self.clone()),
-            (Operation::Minimum, ..) => difference().map(|difference| difference <= 0),
-            (Operation::Maximum, ..) => difference().map(|difference| difference >= 0),
+            (IndexOperation::Product, _, Some(factor)) => return Self::default().plus(self, factor),
+            (IndexOperation::Product, Some(factor), _) => return Self::default().plus(other, factor),
+            (IndexOperation::Quotient | IndexOperation::Remainder, _, Some(0)) => return None,
+            (IndexOperation::Quotient, _, Some(1)) => return Some(self.clone()),
+            (IndexOperation::Minimum, ..) => difference().map(|difference| difference <= 0),
+            (IndexOperation::Maximum, ..) => difference().map(|difference| difference >= 0),
             _ => None,
         };
         Some(match (operation, first) {
             (_, Some(true)) => self.clone(),
             (_, Some(false)) => other.clone(),
-            (Operation::Quotient | Operation::Remainder, None) => {
+            (IndexOperation::Quotient | IndexOperation::Remainder, None) => {
                 Self::of(operation, self.clone(), other.clone())
             }
             _ => Self::of(operation, self.clone().min(other.clone()), self.clone().max(other.clone())),
@@ -150,25 +150,25 @@ impl Index {
     }
 
     pub(crate) fn multiply(&self, other: &Self) -> Option<Self> {
-        self.operate(Operation::Product, other)
+        self.operate(IndexOperation::Product, other)
     }
 
     /// `self / other` as Rust computes it; `None` for a division by zero.
     pub(crate) fn divide(&self, other: &Self) -> Option<Self> {
-        self.operate(Operation::Quotient, other)
+        self.operate(IndexOperation::Quotient, other)
     }
 
     /// `self % other` as Rust computes it; `None` for a division by zero.
     pub(crate) fn remainder(&self, other: &Self) -> Option<Self> {
-        self.operate(Operation::Remainder, other)
+        self.operate(IndexOperation::Remainder, other)
     }
 
     pub(crate) fn minimum(&self, other: &Self) -> Self {
-        self.operate(Operation::Minimum, other).unwrap_or_default()
+        self.operate(IndexOperation::Minimum, other).unwrap_or_default()
     }
 
     pub(crate) fn maximum(&self, other: &Self) -> Self {
-        self.operate(Operation::Maximum, other).unwrap_or_default()
+        self.operate(IndexOperation::Maximum, other).unwrap_or_default()
     }
 
     /// Calls `f` with every atom, those inside of others included.
@@ -213,7 +213,7 @@ impl Index {
         self.terms.iter().all(|(atom, _)| matches!(atom, Atom::Loop(_) | Atom::Size))
     }
 
-    /// Its value, by those of the atoms that no operation makes.
+    /// The value of the index, given the values of the atoms that are not operations.
     pub(crate) fn value(&self, of: &dyn Fn(&Atom) -> Option<i128>) -> Option<i128> {
         self.terms.iter().try_fold(self.constant, |sum, (atom, coefficient)| {
             let value = match atom {
@@ -282,9 +282,9 @@ impl Index {
                     let (a, b) = (both.0.for_large_sizes()?, both.1.for_large_sizes()?);
                     let below = b.subtract(&a).and_then(|rest| rest.as_integer());
                     match (operation, a.as_integer(), b.as_integer()) {
-                        (Operation::Remainder, Some(_), None) => a,
-                        (Operation::Quotient, Some(_), None) => Self::default(),
-                        (Operation::Remainder, None, None) if below.is_some_and(|below| below > 0) => a,
+                        (IndexOperation::Remainder, Some(_), None) => a,
+                        (IndexOperation::Quotient, Some(_), None) => Self::default(),
+                        (IndexOperation::Remainder, None, None) if below.is_some_and(|below| below > 0) => a,
                         _ => a.operate(*operation, &b)?,
                     }
                 }
@@ -315,7 +315,7 @@ impl Index {
     }
 }
 
-/// What the compiler knows of loop variables and integers while it decides about indices.
+/// The bounds of loop variables and integers that are known where an index is decided about.
 pub(crate) struct Bounds<'a> {
     pub(crate) loops: &'a [Loop],
     pub(crate) tables: &'a [Table],
@@ -356,12 +356,12 @@ impl Bounds<'_> {
         index.terms.iter().any(|(atom, coefficient)| {
             let positive = *coefficient > 0;
             match atom {
-                Atom::Loop(_) | Atom::Of(Operation::Product, _) => false,
+                Atom::Loop(_) | Atom::Of(IndexOperation::Product, _) => false,
                 Atom::Size | Atom::Given(..) if positive => {
                     self.lower_bounds(atom).iter().any(|bound| proves(replaced(atom, bound)))
                 }
                 Atom::Size | Atom::Given(..) => false,
-                Atom::Of(Operation::Quotient, both) => match both.1.as_integer() {
+                Atom::Of(IndexOperation::Quotient, both) => match both.1.as_integer() {
                     // For a nonnegative numerator `0 <= a / b <= a`.
                     Some(divisor) if divisor > 0 && self.proves(&both.0, depth - 1, left) => {
                         let bound = if positive { Index::default() } else { both.0.clone() };
@@ -369,7 +369,7 @@ impl Bounds<'_> {
                     }
                     _ => false,
                 },
-                Atom::Of(Operation::Remainder, both) => {
+                Atom::Of(IndexOperation::Remainder, both) => {
                     let bound = if positive { Some(Index::default()) } else { both.1.shifted(-1) };
                     // The remainder by a negative divisor is not below it.
                     [&both.0, &both.1].into_iter().all(|part| self.proves(part, depth - 1, left))
@@ -377,7 +377,7 @@ impl Bounds<'_> {
                 }
                 Atom::Of(extreme, both) => {
                     let mut images = [&both.0, &both.1].into_iter().map(|part| replaced(atom, part));
-                    match positive == (*extreme == Operation::Minimum) {
+                    match positive == (*extreme == IndexOperation::Minimum) {
                         true => images.all(proves),
                         false => images.any(proves),
                     }
@@ -386,7 +386,7 @@ impl Bounds<'_> {
         })
     }
 
-    /// What a size is at least: a loop that runs has an end beyond its start.
+    /// Lower bounds of a size: a loop that runs has an end beyond its start.
     fn lower_bounds(&self, atom: &Atom) -> Vec<Index> {
         let bounds = self.loops.iter().filter_map(|known| {
             let rest = known.end.plus(&Index::atom(atom.clone()), -1)?;
@@ -400,8 +400,8 @@ impl Bounds<'_> {
         bounds.chain(is_natural.then(Index::default)).collect()
     }
 
-    /// Where `index` leaves `0..length`, at the first or last turns of the loops; `None` if no such place is certain to
-    /// be reached. A size that is no literal is taken to exceed the literals beside it.
+    /// Where `index` leaves `0..length`, at the first or last turns of the loops; `None` if no such place is
+    /// certain to be reached. A size that is no literal is taken to exceed the literals beside it.
     pub(crate) fn outlier(&self, index: &Index, length: Option<&Index>) -> Option<Outlier> {
         self.outlier_at(0, index, length, &mut Vec::new(), &Cell::new(PROOF_STEPS))
     }

@@ -1,15 +1,15 @@
-//! What the symbols of a system stand for: local variables, with their slots, and sums.
+//! The meanings of the symbols of a system: local variables, with their slots, and sums.
 
 use std::collections::HashMap;
 
-use super::display::{Names, letter_at};
+use super::display::{IndexNames, letter_at};
 use super::index::{Index, Loop};
 use super::{Half, Local, Slot, Table};
 use crate::symbolic::{Expr, Graph, Symbol};
 
-/// What a sum symbol stands for: `Σ_(range) body`.
+/// The meaning of a sum symbol: `Σ_(range) body`.
 #[derive(Clone)]
-pub(crate) struct Sum {
+pub(crate) struct IndexedSum {
     pub(crate) range: Loop,
     pub(crate) body: Expr,
     /// How many sums are inside of each other in it, with itself.
@@ -25,7 +25,7 @@ pub(crate) struct Symbols {
     of_slot: HashMap<Slot, Symbol>,
     /// Position among the locals.
     of_symbol: HashMap<Symbol, usize>,
-    sums: HashMap<Symbol, Sum>,
+    sums: HashMap<Symbol, IndexedSum>,
     /// The coordinates and momenta in the order of the state vector, where each is a variable from the start.
     phase: [Vec<Symbol>; 2],
     letters: Vec<&'static str>,
@@ -100,7 +100,7 @@ impl Symbols {
     pub(crate) fn sum(&mut self, graph: &mut Graph, range: Loop, body: Expr) -> Symbol {
         let symbol = graph.new_symbol("Σ");
         let depth = 1 + self.depth(graph, body);
-        self.sums.insert(symbol, Sum { range, body, depth });
+        self.sums.insert(symbol, IndexedSum { range, body, depth });
         symbol
     }
 
@@ -110,7 +110,7 @@ impl Symbols {
         sums.map(|sum| sum.depth).max().unwrap_or(0)
     }
 
-    pub(crate) fn sum_of(&self, symbol: Symbol) -> Option<&Sum> {
+    pub(crate) fn sum_of(&self, symbol: Symbol) -> Option<&IndexedSum> {
         self.sums.get(&symbol)
     }
 
@@ -126,10 +126,10 @@ impl Symbols {
         positions.into_iter().map(|position| self.locals[position].clone()).collect()
     }
 
-    /// What indices are called.
-    pub(crate) fn reader<T>(&self, tables: &[Table], read: impl FnOnce(&Names<'_>) -> T) -> T {
+    /// Calls `read` with the names of the parts of indices.
+    pub(crate) fn reader<T>(&self, tables: &[Table], read: impl FnOnce(&IndexNames<'_>) -> T) -> T {
         let letter = |variable: u32| self.letters.get(variable as usize).copied().unwrap_or("i");
-        read(&Names { tables, letter: &letter })
+        read(&IndexNames { tables, letter: &letter })
     }
 }
 

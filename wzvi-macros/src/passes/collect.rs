@@ -1,15 +1,18 @@
-//! From expressions with symbols for sums to elements: `f + Σ_i g_i` is the element `f` and the elements of `g_i`, with
-//! one more loop. A factor in front of a sum moves inside.
+//! From expressions with symbols for sums to elements: `f + Σ_i g_i` is the element `f` and the elements of
+//! `g_i`, with one more loop. A factor in front of a sum moves inside.
 //!
-//! Derivatives are taken of elements that are split by the part of the state that they read. Values are computed from the unsplit
-//! elements: split, `k (1 - cos d)` would be the difference of two sums of large numbers.
+//! Derivatives are taken of elements that are split by the part of the state that they read. Values are
+//! computed from the unsplit elements: split, `k (1 - cos d)` would be the difference of two sums of large
+//! numbers.
+//!
+//! Tests: `tests/loops/spellings.rs`.
 
 use std::collections::HashMap;
 
-use super::unroll::{Writer, parts};
+use super::unroll::{Unroller, parts};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::distinct::Distinct;
-use crate::model::symbols::Sum;
+use crate::model::symbols::IndexedSum;
 use crate::model::{Element, Family, Index, Loop, Noise, Reads, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
@@ -34,8 +37,8 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// The elements of the drift with what acts beside it, and those of the noises, without changes to the system; `None` if a
-/// term is not a sum of elements.
+/// The elements of the drift with what acts beside it, and those of the noises, without changes to the
+/// system; `None` if a term is not a sum of elements.
 pub(crate) fn sketched(system: &mut System) -> Option<[Vec<Element>; 2]> {
     // Friction is a flow of its own in a thermostat.
     let friction = system.friction.iter().filter(|_| !system.has_thermostat());
@@ -77,7 +80,7 @@ fn outside(element: &Element, degrees: i128) -> Option<i128> {
     })
 }
 
-impl Writer<'_> {
+impl Unroller<'_> {
     /// The elements of a Hamiltonian inside of `loops`.
     fn collect(&mut self, term: &mut Term, loops: &[Loop]) -> Option<()> {
         let mut values = Vec::new();
@@ -89,7 +92,7 @@ impl Writer<'_> {
 
     fn decompose(&mut self, expr: Expr, loops: &[Loop], into: &mut Vec<Element>) -> Option<()> {
         let (expr, present) = self.linear_in_sums(expr)?;
-        for (symbol, Sum { range, body, .. }) in &present {
+        for (symbol, IndexedSum { range, body, .. }) in &present {
             let factor = self.graph.derivative(expr, *symbol);
             let body = self.graph.multiply(factor, *body);
             let mut inner = loops.to_vec();
@@ -107,17 +110,17 @@ impl Writer<'_> {
     }
 
     /// `expr` with the sums in arguments of nonlinear functions written out, and its other sums.
-    fn linear_in_sums(&mut self, mut expr: Expr) -> Option<(Expr, Vec<(Symbol, Sum)>)> {
+    fn linear_in_sums(&mut self, mut expr: Expr) -> Option<(Expr, Vec<(Symbol, IndexedSum)>)> {
         loop {
             let symbols = self.graph.symbols_in(expr).into_iter();
-            let present: Vec<(Symbol, Sum)> =
+            let present: Vec<(Symbol, IndexedSum)> =
                 symbols.filter_map(|symbol| Some((symbol, self.symbols.sum_of(symbol)?.clone()))).collect();
             let names: Vec<Symbol> = present.iter().map(|(symbol, _)| *symbol).collect();
             let nonlinear = present.iter().filter(|(symbol, _)| {
                 let factor = self.graph.derivative(expr, *symbol);
                 self.graph.depends_on(factor, &names) || self.graph.has_pieces(expr, &[*symbol])
             });
-            let nonlinear: Vec<&(Symbol, Sum)> = nonlinear.collect();
+            let nonlinear: Vec<&(Symbol, IndexedSum)> = nonlinear.collect();
             if nonlinear.is_empty() {
                 return Some((expr, present));
             }
@@ -130,7 +133,8 @@ impl Writer<'_> {
         }
     }
 
-    /// One element for the terms that read coordinates, one for those that read momenta, one for those that read both.
+    /// One element for the terms that read coordinates, one for those that read momenta, one for those that
+    /// read both.
     fn parted(&mut self, element: &Element) -> Vec<Element> {
         let mut groups: Vec<(Reads, Vec<(Expr, Rational)>)> = Vec::new();
         let mut opened = Opened { terms: HashMap::new(), most: self.graph.reachable(&[element.value]).len() };
@@ -191,7 +195,8 @@ impl Writer<'_> {
         all
     }
 
-    /// The terms of both branches under a condition that reads no state: one for each part of the state that terms read.
+    /// The terms of both branches under a condition that reads no state: one for each part of the state that
+    /// terms read.
     fn split_branches(
         &mut self,
         condition: Expr,
@@ -255,7 +260,8 @@ const NOTHING: Reads = Reads { q: false, p: false };
 /// The state while an expression is split.
 struct Opened {
     terms: HashMap<Expr, Vec<(Expr, Rational)>>,
-    /// The nodes of the expression. Longer sums are not multiplied out: the terms of nested shared sums double with each level.
+    /// The nodes of the expression. Longer sums are not multiplied out: the terms of nested shared sums
+    /// double with each level.
     most: usize,
 }
 

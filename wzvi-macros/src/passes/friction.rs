@@ -5,14 +5,16 @@
 //! | one rate for all degrees of freedom, no thermostat | exactly, in the momentum `π = e^{γ (t - t_i)} p`: conformally symplectic |
 //! | other friction, no thermostat | the force `-Γ M⁻¹ p` |
 //! | a thermostat | a flow of its own, beside the steps |
+//!
+//! Tests: `tests/forces/friction.rs`.
 
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::{Calculus, Increments, Kinetic, Space, Weighted, unweighted};
 use crate::model::{Element, Friction, Half, Local, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
-/// Checks friction, temperature and the requirements of thermostats. Without a thermostat, friction then becomes a force, or the rate of
-/// [`System::conformal`].
+/// Checks friction, temperature and the requirements of thermostats. Without a thermostat, friction then
+/// becomes a force, or the rate of [`System::conformal`].
 pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
     let Some(friction) = system.friction.clone() else {
         for known in system.embeddings.iter().filter(|known| known.value.is_thermostat()) {
@@ -32,7 +34,7 @@ pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
         |rate: &Expr| system.symbols.locals_among(system.graph.symbols_in(*rate).into_iter()).is_empty();
     match friction.uniform.filter(is_parameter) {
         Some(rate) => system.conformal = Some(rate),
-        None => draw(system, &friction, diagnostics),
+        None => friction_as_force(system, &friction, diagnostics),
     }
 }
 
@@ -124,7 +126,7 @@ fn is_asymmetric(system: &mut System, matrix: &Term) -> bool {
 }
 
 /// Adds `-G p` or `-Γ M⁻¹ p` to the force.
-fn draw(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics) {
+fn friction_as_force(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics) {
     let term = &friction.term;
     let drawn = match friction.is_matrix {
         false => Some(unweighted(&term.values)),

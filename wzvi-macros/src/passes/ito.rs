@@ -17,6 +17,8 @@
 //! | `∓D/2`, `D = ∂H_k/∂q · ∂H_k/∂p` | Hamiltonians where one of the two gradients is linear and the other constant along it |
 //! | `-{m, H_k}/2 ∓ D_g/2` | `H_k = g + m` with a linear `m`: its field is constant, so that `(X_m · ∇) X_g` is the field of `{m, g}` |
 //! | `Σ_n A_n/n`, `A = c_q · p - c_p · q` | polynomials: `A_n` are the terms of degree `n`, and `K = ∫_0^1 A(λ q, λ p)/λ dλ` |
+//!
+//! Tests: `tests/forces/ito.rs`.
 
 use std::collections::HashMap;
 
@@ -31,18 +33,18 @@ const MINUS_HALF: Rational = Rational::HALF.negate();
 
 /// `c` as `-2 c_q · δ` and `2 c_p · δ`.
 #[derive(Clone, Default)]
-struct Field {
+struct VectorField {
     of_coordinates: Sum,
     of_momenta: Sum,
 }
 
 /// `c` in parts: a Hamiltonian with its vector field, and what is left.
 #[derive(Default)]
-struct Correction {
+struct ItoCorrection {
     hamiltonian: Sum,
-    rest: Field,
+    rest: VectorField,
     /// All of it.
-    whole: Field,
+    whole: VectorField,
 }
 
 /// Adds the correction to the drift and to the force.
@@ -60,7 +62,7 @@ pub(crate) fn ito(system: &mut System, diagnostics: &mut Diagnostics) {
         })
         .collect();
     let mut calculus = Calculus { space: &mut space, graph: &mut system.graph };
-    let correction = noises.iter().try_fold(Correction::default(), |mut all, (noise, is_force)| {
+    let correction = noises.iter().try_fold(ItoCorrection::default(), |mut all, (noise, is_force)| {
         calculus.add_correction(&mut all, noise, *is_force)?;
         Some(all)
     });
@@ -69,16 +71,16 @@ pub(crate) fn ito(system: &mut System, diagnostics: &mut Diagnostics) {
         return;
     };
     calculus.gather(&mut correction);
-    let Correction { hamiltonian, rest: Field { of_coordinates, of_momenta }, whole } = correction;
+    let ItoCorrection { hamiltonian, rest: VectorField { of_coordinates, of_momenta }, whole } = correction;
     if !calculus.is_zero(&of_coordinates) {
-        let Field { of_coordinates, of_momenta } = whole;
+        let VectorField { of_coordinates, of_momenta } = whole;
         let [of_q, of_p] = [(&of_coordinates, MINUS_HALF), (&of_momenta, HALF)]
             .map(|(sum, factor)| space.display(&mut system.graph, sum, factor));
         let rate = expansion(&mut system.graph, &of_coordinates, &of_momenta);
         diagnostics.report(messages::no_force(extent, &of_q, &of_p, &rate));
         return;
     }
-    if !hamiltonian.is_empty() && !system.parts.is_empty() {
+    if !hamiltonian.is_empty() && !system.summands.is_empty() {
         let shown = space.display(&mut system.graph, &hamiltonian, Rational::ONE);
         diagnostics.report(messages::parted_drift(extent, &shown));
         return;
@@ -120,15 +122,15 @@ impl Calculus<'_> {
     }
 
     /// Whether a field is that of the Hamiltonian `K`, `(∂K/∂p, -∂K/∂q)`.
-    fn is_field_of(&mut self, field: &Field, k: &Sum) -> bool {
+    fn is_field_of(&mut self, field: &VectorField, k: &Sum) -> bool {
         let [by_p, by_q] = [Half::Momenta, Half::Coordinates].map(|half| self.displaced(k, half));
         let minus_two = Rational::integer(-2);
         self.agree(&field.of_coordinates, &by_p, minus_two) && self.agree(&field.of_momenta, &by_q, minus_two)
     }
 
     /// Adds a field to another.
-    fn add_field(&mut self, to: &mut Field, field: &Field) {
-        let Field { of_coordinates, of_momenta } = field;
+    fn add_field(&mut self, to: &mut VectorField, field: &VectorField) {
+        let VectorField { of_coordinates, of_momenta } = field;
         to.of_coordinates =
             self.combine(&[(&to.of_coordinates, Rational::ONE), (of_coordinates, Rational::ONE)]);
         to.of_momenta = self.combine(&[(&to.of_momenta, Rational::ONE), (of_momenta, Rational::ONE)]);
@@ -136,7 +138,7 @@ impl Calculus<'_> {
 
     /// Looks for a Hamiltonian of what is left, or for a force in the whole, where noises have neither one by
     /// one.
-    fn gather(&mut self, correction: &mut Correction) {
+    fn gather(&mut self, correction: &mut ItoCorrection) {
         if self.is_zero(&correction.rest.of_coordinates) {
             return;
         }
@@ -149,12 +151,12 @@ impl Calculus<'_> {
         {
             correction.hamiltonian =
                 self.combine(&[(&correction.hamiltonian, Rational::ONE), (&k, Rational::ONE)]);
-            correction.rest = Field::default();
+            correction.rest = VectorField::default();
         }
     }
 
     /// `K = Σ_n A_n/n` of `A = c_q · p - c_p · q`, if all is a polynomial of the state.
-    fn polynomial_of(&mut self, field: &Field) -> Option<Sum> {
+    fn polynomial_of(&mut self, field: &VectorField) -> Option<Sum> {
         let mut along = Sum::new();
         for (sum, half) in [(&field.of_coordinates, Half::Momenta), (&field.of_momenta, Half::Coordinates)] {
             for Weighted { element, increments } in sum {
@@ -230,13 +232,13 @@ impl Calculus<'_> {
     }
 
     /// Adds `-1/2 (X · ∇) X` of one noise, or one family; `None` if an index is beyond this arithmetic.
-    fn add_correction(&mut self, all: &mut Correction, noise: &Sum, is_force: bool) -> Option<()> {
+    fn add_correction(&mut self, all: &mut ItoCorrection, noise: &Sum, is_force: bool) -> Option<()> {
         let (q, p) = (Half::Coordinates, Half::Momenta);
         if is_force {
             // c · δq = -1/2 (f · ∂/∂p) f · δq
             let own = self.contract((noise, Half::Displacements), (noise, p), Increments::Diagonal)?;
             let own = self.unweighted(&own);
-            let field = Field {
+            let field = VectorField {
                 of_coordinates: Sum::new(),
                 of_momenta: self.combine(&[(&own, Rational::MINUS_ONE)]),
             };
@@ -247,7 +249,7 @@ impl Calculus<'_> {
         // `(X · ∇) ∂H/∂p · δ` and `(X · ∇) ∂H/∂q · δ`: -2 c · δ of coordinates, 2 c · δ of momenta.
         let [of_p, of_q] = [p, q].map(|half| self.displaced(noise, half));
         let field =
-            Field { of_coordinates: self.along(noise, &of_p)?, of_momenta: self.along(noise, &of_q)? };
+            VectorField { of_coordinates: self.along(noise, &of_p)?, of_momenta: self.along(noise, &of_q)? };
         if self.is_zero(&field.of_coordinates) && self.is_zero(&field.of_momenta) {
             return Some(());
         }

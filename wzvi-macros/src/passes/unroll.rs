@@ -1,24 +1,26 @@
-//! Unrolling of loops of literal length. Sums are symbols until here; a sum is unrolled by its body at each value of the
-//! loop variable.
+//! Unrolling of loops of literal length. Sums are symbols until here; a sum is unrolled by its body at each
+//! value of the loop variable.
 //!
-//! * A system whose steps are all in straight lines (see `choose`) is written out as a whole, so that each degree of
-//!   freedom is a variable of its own,
+//! * A system whose steps are all in straight lines (see `choose`) is written out as a whole, so that each
+//!   degree of freedom is a variable of its own,
 //! * in another one, short sums: components of points, stencils, corners,
 //! * and, anywhere, sums that cannot be loops: arguments of nonlinear functions.
+//!
+//! Tests: `tests/loops/seam.rs`, `tests/loops/spellings.rs`.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use quote::quote;
 
 use crate::indices::Indices;
-use crate::model::symbols::{Sum, Symbols};
+use crate::model::symbols::{IndexedSum, Symbols};
 use crate::model::{
     Family, Form, Index, Local, Loop, Noise, Parameter, Phase, Slot, StraightLine, System, Table, Term,
 };
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
-/// What is short: turns of a loop, and nodes of the sum that is written out. With more nodes the code of derivatives is
-/// larger than that of a loop, and no faster.
+/// What is short: turns of a loop, and nodes of the sum that is written out. With more nodes the code of
+/// derivatives is larger than that of a loop, and no faster.
 #[derive(Clone, Copy)]
 struct Short {
     turns: i128,
@@ -28,8 +30,8 @@ struct Short {
 /// An inner loop that is unrolled.
 const INNER: Short = Short { turns: 16, nodes: 200 };
 
-/// An outermost loop of a system in loops that is unrolled. Longer ones run vectorised over neighbours, which pays for their
-/// setup.
+/// An outermost loop of a system in loops that is unrolled. Longer ones run vectorised over neighbours, which
+/// pays for their setup.
 const OUTERMOST: Short = Short { turns: 8, nodes: 24 };
 
 /// The most points of a system that is written out where its elements are refused in loops.
@@ -58,14 +60,29 @@ pub(crate) fn unroll(system: &mut System) {
 }
 
 /// A writer, and the terms: those before the noises, the noises, and those after them.
-pub(super) fn parts(system: &mut System) -> (Writer<'_>, Vec<&mut Term>, &mut Vec<Noise>, Vec<&mut Term>) {
+pub(super) fn parts(system: &mut System) -> (Unroller<'_>, Vec<&mut Term>, &mut Vec<Noise>, Vec<&mut Term>) {
     let System {
-        graph, symbols, tables, drift, parts, noise, force, friction, temperature, invariants, ..
+        graph,
+        symbols,
+        tables,
+        drift,
+        summands: parts,
+        noise,
+        force,
+        friction,
+        temperature,
+        invariants,
+        ..
     } = system;
     let friction = friction.iter_mut().map(|friction| &mut friction.term);
     let temperature = temperature.iter_mut().map(|temperature| &mut temperature.term);
     let after = invariants.iter_mut().chain(force).chain(friction).chain(temperature);
-    (Writer::new(graph, symbols, tables), [drift].into_iter().chain(parts).collect(), noise, after.collect())
+    (
+        Unroller::new(graph, symbols, tables),
+        [drift].into_iter().chain(parts).collect(),
+        noise,
+        after.collect(),
+    )
 }
 
 /// Unrolls every loop and family; `false`, without changes, if that is impossible.
@@ -97,15 +114,16 @@ fn unroll_all(system: &mut System) -> bool {
     true
 }
 
-/// Replaces sums by their bodies. Fails if this takes more than [`OPERATIONS`], or if a bound is known at run time only.
-pub(super) struct Writer<'a> {
+/// Replaces sums by their bodies. Fails if this takes more than [`OPERATIONS`], or if a bound is known at run
+/// time only.
+pub(super) struct Unroller<'a> {
     pub(super) graph: &'a mut Graph,
     pub(super) symbols: &'a mut Symbols,
     tables: &'a [Table],
     spent: usize,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> Unroller<'a> {
     fn new(graph: &'a mut Graph, symbols: &'a mut Symbols, tables: &'a [Table]) -> Self {
         Self { graph, symbols, tables, spent: 0 }
     }
@@ -122,7 +140,7 @@ impl<'a> Writer<'a> {
     fn without_short_sums(&mut self, expr: Expr, short: Short) -> Expr {
         let mut images = HashMap::new();
         for symbol in self.graph.symbols_in(expr) {
-            let Some(Sum { range, body, .. }) = self.symbols.sum_of(symbol).cloned() else { continue };
+            let Some(IndexedSum { range, body, .. }) = self.symbols.sum_of(symbol).cloned() else { continue };
             let body = self.without_short_sums(body, INNER);
             let is_short = range.length().is_some_and(|length| length <= short.turns);
             let written = if is_short { self.turns(&range, body, &BTreeMap::new()) } else { None };
@@ -141,7 +159,7 @@ impl<'a> Writer<'a> {
     }
 
     /// One sum, written out.
-    pub(super) fn written_out(&mut self, sum: &Sum) -> Option<Expr> {
+    pub(super) fn written_out(&mut self, sum: &IndexedSum) -> Option<Expr> {
         self.spent = 0;
         self.turns(&sum.range, sum.body, &BTreeMap::new())
     }
@@ -156,7 +174,7 @@ impl<'a> Writer<'a> {
         let symbols: Vec<Symbol> = parts.into_iter().filter_map(|part| self.graph.as_symbol(part)).collect();
         let mut images = HashMap::new();
         for symbol in symbols {
-            if let Some(Sum { range, body, .. }) = self.symbols.sum_of(symbol).cloned() {
+            if let Some(IndexedSum { range, body, .. }) = self.symbols.sum_of(symbol).cloned() {
                 images.insert(symbol, self.turns(&range, body, values)?);
             } else if let Some(local) = self.symbols.local_of(symbol) {
                 let slot = local.slot.clone();
@@ -203,7 +221,8 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The system with a variable for each degree of freedom; `None` if places or bounds are known at run time only.
+/// The system with a variable for each degree of freedom; `None` if places or bounds are known at run time
+/// only.
 pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     let [q, p] = system.symbols.phase();
     if q.is_empty() {
@@ -223,7 +242,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     };
     let phase = Phase { q, p, displacements, t };
     let System { graph, symbols, tables, drift, noise, force, .. } = system;
-    let mut writer = Writer::new(graph, symbols, tables);
+    let mut writer = Unroller::new(graph, symbols, tables);
     let drift = writer.placements(drift, &BTreeMap::new())?;
     let force = match force {
         Some(force) => Some(writer.placements(force, &BTreeMap::new())?),
@@ -257,7 +276,8 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     let force = force.as_ref().map(&mut components);
     let noise_forces = forces.iter().map(components).collect();
     let parameters = parameters_with(system, &locals);
-    // Elements in loops have no parameters for entries of lists, which may differ between the lanes of a sweep.
+    // Elements in loops have no parameters for entries of lists, which may differ between the lanes of a
+    // sweep.
     if !is_whole && parameters.len() > system.parameters.len() {
         return None;
     }
@@ -284,8 +304,9 @@ fn parameters_with(system: &System, locals: &[Local]) -> Vec<Parameter> {
     parameters
 }
 
-impl Writer<'_> {
-    /// The sum of all elements of a term at the turns of their loops, where variables of outer loops have `values`.
+impl Unroller<'_> {
+    /// The sum of all elements of a term at the turns of their loops, where variables of outer loops have
+    /// `values`.
     fn placements(&mut self, term: &Term, values: &BTreeMap<u32, i128>) -> Option<Expr> {
         self.spent = 0;
         let mut terms = Vec::new();
@@ -319,7 +340,7 @@ impl Writer<'_> {
 }
 
 impl Loop {
-    /// Its number of turns, if that is known.
+    /// The number of iterations, if it is known.
     fn length(&self) -> Option<i128> {
         self.end.subtract(&self.start)?.as_integer()
     }

@@ -23,14 +23,14 @@ const LONG_PRODUCT: usize = 8;
 pub(crate) type Direction = HashMap<Symbol, Rational>;
 
 /// Slopes by node, zero unless `known`.
-struct Slopes {
+struct NodeDerivatives {
     known: HashMap<Expr, Expr>,
     zero: Expr,
     /// Whether the infinite slope of a root at zero counts as zero.
     is_bounded: bool,
 }
 
-impl Slopes {
+impl NodeDerivatives {
     fn of(&self, expr: Expr) -> Expr {
         self.known.get(&expr).copied().unwrap_or(self.zero)
     }
@@ -44,7 +44,7 @@ impl Graph {
 
     /// `∂expr/∂symbol` for the matrices of Newton's method: 0 where only a root in `expr` has an infinite
     /// slope. There is no better matrix, and the solution does not depend on it.
-    pub(crate) fn curvature(&mut self, expr: Expr, symbol: Symbol) -> Expr {
+    pub(crate) fn hessian_entry(&mut self, expr: Expr, symbol: Symbol) -> Expr {
         self.differentiated(expr, &HashMap::from([(symbol, Rational::ONE)]), true)
     }
 
@@ -59,7 +59,7 @@ impl Graph {
         let mut parts = self.reachable_where(&[expr], |part| self.support(part).intersects(support));
         parts.sort_unstable();
         let mut slopes =
-            Slopes { known: HashMap::with_capacity(parts.len()), zero: self.integer(0), is_bounded };
+            NodeDerivatives { known: HashMap::with_capacity(parts.len()), zero: self.integer(0), is_bounded };
         for part in parts {
             let node = self.node(part).clone();
             let slope = match &node {
@@ -77,7 +77,7 @@ impl Graph {
         self.radial_limits(slope)
     }
 
-    fn slope(&mut self, expr: Expr, node: &Node, slopes: &Slopes) -> Expr {
+    fn slope(&mut self, expr: Expr, node: &Node, slopes: &NodeDerivatives) -> Expr {
         match node {
             Node::Sum { terms, .. } => {
                 let terms: Vec<_> = terms.iter().map(|&(term, c)| (slopes.of(term), c)).collect();
@@ -128,7 +128,7 @@ impl Graph {
     }
 
     /// `(Π f_i)' = Σ f_i' Π_{j≠i} f_j`. Long products are halved, which keeps the cost near linear.
-    fn product_slope(&mut self, factors: &[(Expr, Rational)], slopes: &Slopes) -> Expr {
+    fn product_slope(&mut self, factors: &[(Expr, Rational)], slopes: &NodeDerivatives) -> Expr {
         if factors.len() > LONG_PRODUCT {
             let (left, right) = factors.split_at(factors.len() / 2);
             let (left_slope, right_slope) =
@@ -201,7 +201,13 @@ impl Graph {
     }
 
     /// `Π operand · x'`, zero where `x'` is zero on a piece: for the slope of `x^exponent`.
-    fn times(&mut self, operands: &[(Expr, Rational)], x: Expr, exponent: Rational, slopes: &Slopes) -> Expr {
+    fn times(
+        &mut self,
+        operands: &[(Expr, Rational)],
+        x: Expr,
+        exponent: Rational,
+        slopes: &NodeDerivatives,
+    ) -> Expr {
         let term = self.beside_slope(operands, slopes.of(x));
         let is_bounded = slopes.is_bounded && is_root(exponent) && self.sign(x) != Sign::Positive;
         if is_bounded { self.zero_at(x, term) } else { term }
@@ -293,7 +299,7 @@ impl Graph {
     }
 
     /// The slope of `r^n` with `r² = x² + y² + …`: `n r^(n-2) (x x' + y y' + …)`.
-    fn radial_slope(&mut self, r: Expr, n: Rational, slopes: &Slopes) -> Expr {
+    fn radial_slope(&mut self, r: Expr, n: Rational, slopes: &NodeDerivatives) -> Expr {
         let half = self.half_slope_of_square(r, slopes);
         let Some(lower) = n.add(Rational::integer(-2)) else { return half };
         let slope = self.product_of_powers(&[(r, lower), (half, Rational::ONE)]);
@@ -304,7 +310,7 @@ impl Graph {
     }
 
     /// `x x' + y y'` of `hypot(x, y)`, `x x'` of other `x`.
-    fn half_slope_of_square(&mut self, x: Expr, slopes: &Slopes) -> Expr {
+    fn half_slope_of_square(&mut self, x: Expr, slopes: &NodeDerivatives) -> Expr {
         match self.node(x).clone() {
             Node::Apply(Function::Hypot, arguments) => {
                 let halves: Vec<Expr> =

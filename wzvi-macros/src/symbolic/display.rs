@@ -9,7 +9,7 @@ const NODES: usize = 300;
 
 /// The precedence of a text, loosest first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Binding {
+enum TextPrecedence {
     Select,
     Or,
     And,
@@ -22,16 +22,16 @@ enum Binding {
 
 struct Text {
     text: String,
-    binding: Binding,
+    binding: TextPrecedence,
 }
 
 impl Text {
-    fn new(text: impl Into<String>, binding: Binding) -> Self {
+    fn new(text: impl Into<String>, binding: TextPrecedence) -> Self {
         Self { text: text.into(), binding }
     }
 
     /// The text as an operand of at least the precedence `least`.
-    fn within(self, least: Binding) -> String {
+    fn within(self, least: TextPrecedence) -> String {
         if self.binding >= least { self.text } else { format!("({})", self.text) }
     }
 }
@@ -39,20 +39,20 @@ impl Text {
 impl Graph {
     /// `expr` as text.
     pub(crate) fn display(&self, expr: Expr) -> String {
-        Writer { graph: self, nodes_left: NODES }.write(expr, DEPTH).text
+        TextWriter { graph: self, nodes_left: NODES }.write(expr, DEPTH).text
     }
 }
 
-struct Writer<'a> {
+struct TextWriter<'a> {
     graph: &'a Graph,
     nodes_left: usize,
 }
 
-impl Writer<'_> {
+impl TextWriter<'_> {
     /// The recursion is bounded by `depth`.
     fn write(&mut self, expr: Expr, depth: usize) -> Text {
         if depth == 0 || self.nodes_left == 0 {
-            return Text::new("…", Binding::Atom);
+            return Text::new("…", TextPrecedence::Atom);
         }
         self.nodes_left -= 1;
         let graph = self.graph;
@@ -60,7 +60,7 @@ impl Writer<'_> {
         match graph.node(expr) {
             Node::Number(value) => number(*value),
             Node::Float(bits) => float(f64::from_bits(*bits)),
-            Node::Symbol(symbol) => Text::new(graph.symbol_name(*symbol), Binding::Atom),
+            Node::Symbol(symbol) => Text::new(graph.symbol_name(*symbol), TextPrecedence::Atom),
             Node::Sum { terms, constant } => self.sum(terms, *constant, depth),
             Node::Product(factors) => self.quotient(Rational::ONE, factors, depth),
             Node::Apply(Function::Special(Special::Bessel(_)), _) => {
@@ -68,22 +68,22 @@ impl Writer<'_> {
             }
             Node::Apply(function, arguments) => self.function(*function, arguments, depth),
             Node::Select { condition, then, otherwise } => {
-                let [condition, then, otherwise] =
-                    [*condition, *then, *otherwise].map(|part| self.write(part, depth).within(Binding::Or));
-                Text::new(format!("if {condition} then {then} else {otherwise}"), Binding::Select)
+                let [condition, then, otherwise] = [*condition, *then, *otherwise]
+                    .map(|part| self.write(part, depth).within(TextPrecedence::Or));
+                Text::new(format!("if {condition} then {then} else {otherwise}"), TextPrecedence::Select)
             }
             Node::Compare(relation, a, b) => self.comparison(relation.spelled()[2], *a, *b, depth),
             Node::Not(a) => match *graph.node(*a) {
                 Node::Compare(relation, a, b) => self.comparison(relation.spelled()[3], a, b, depth),
                 _ => Text::new(
-                    format!("not {}", self.write(*a, depth).within(Binding::Atom)),
-                    Binding::Compare,
+                    format!("not {}", self.write(*a, depth).within(TextPrecedence::Atom)),
+                    TextPrecedence::Compare,
                 ),
             },
             Node::Join(junction, a, b) => {
                 let (word, binding) = match junction {
-                    Junction::And => ("and", Binding::And),
-                    Junction::Or => ("or", Binding::Or),
+                    Junction::And => ("and", TextPrecedence::And),
+                    Junction::Or => ("or", TextPrecedence::Or),
                 };
                 let [a, b] = [*a, *b].map(|part| self.write(part, depth).within(binding));
                 Text::new(format!("{a} {word} {b}"), binding)
@@ -92,8 +92,8 @@ impl Writer<'_> {
     }
 
     fn comparison(&mut self, sign: &str, a: Expr, b: Expr, depth: usize) -> Text {
-        let [a, b] = [a, b].map(|part| self.write(part, depth).within(Binding::Sum));
-        Text::new(format!("{a} {sign} {b}"), Binding::Compare)
+        let [a, b] = [a, b].map(|part| self.write(part, depth).within(TextPrecedence::Sum));
+        Text::new(format!("{a} {sign} {b}"), TextPrecedence::Compare)
     }
 
     /// Terms in order of creation, except that the text starts with a positive one if there is any.
@@ -115,7 +115,7 @@ impl Writer<'_> {
             } else {
                 self.multiple(magnitude, term, depth)
             };
-            summands.push((coefficient.is_negative(), text.within(Binding::Product)));
+            summands.push((coefficient.is_negative(), text.within(TextPrecedence::Product)));
         }
         if constant.is_negative() {
             summands.push((true, constant.negate().to_string()));
@@ -125,7 +125,7 @@ impl Writer<'_> {
         if let Some(first) = summands.iter().position(|&(negative, _)| !negative) {
             summands[..=first].rotate_right(1);
         }
-        Text::new(signed(summands), Binding::Sum)
+        Text::new(signed(summands), TextPrecedence::Sum)
     }
 
     /// `coefficient · term`
@@ -135,8 +135,9 @@ impl Writer<'_> {
             _ => &Box::from([(term, Rational::ONE)]),
         };
         if coefficient.is_negative() {
-            let positive = self.quotient(coefficient.negate(), factors, depth).within(Binding::Product);
-            return Text::new(format!("-{positive}"), Binding::Sum);
+            let positive =
+                self.quotient(coefficient.negate(), factors, depth).within(TextPrecedence::Product);
+            return Text::new(format!("-{positive}"), TextPrecedence::Sum);
         }
         self.quotient(coefficient, factors, depth)
     }
@@ -160,19 +161,19 @@ impl Writer<'_> {
             }
         }
         if coefficient.numerator() != 1 || above.is_empty() {
-            above.insert(0, Text::new(coefficient.numerator().to_string(), Binding::Atom));
+            above.insert(0, Text::new(coefficient.numerator().to_string(), TextPrecedence::Atom));
         }
         if coefficient.denominator() != 1 {
-            below.insert(0, Text::new(coefficient.denominator().to_string(), Binding::Atom));
+            below.insert(0, Text::new(coefficient.denominator().to_string(), TextPrecedence::Atom));
         }
         let above = juxtapose(above);
         if below.is_empty() {
             return above;
         }
-        let above = above.within(Binding::Product);
+        let above = above.within(TextPrecedence::Product);
         // `a/b c` would be ambiguous.
-        let below = juxtapose(below).within(Binding::Power);
-        Text::new(format!("{above}/{below}"), Binding::Product)
+        let below = juxtapose(below).within(TextPrecedence::Power);
+        Text::new(format!("{above}/{below}"), TextPrecedence::Product)
     }
 
     /// The factors with `J_n(x)` for each `J_n(x)/xⁿ`, whose denominator is one more factor.
@@ -206,7 +207,7 @@ impl Writer<'_> {
         let base = match self.graph.node(base) {
             Node::Apply(Function::Special(Special::Bessel(order)), arguments) => {
                 let argument = self.write(arguments[0], depth);
-                Text::new(format!("j{order}({})", argument.text), Binding::Atom)
+                Text::new(format!("j{order}({})", argument.text), TextPrecedence::Atom)
             }
             _ => self.write(base, depth),
         };
@@ -222,7 +223,7 @@ impl Writer<'_> {
             (n, 1) => format!("^{n}"),
             _ => format!("^({exponent})"),
         };
-        Text::new(base.within(Binding::Atom) + &exponent, Binding::Power)
+        Text::new(base.within(TextPrecedence::Atom) + &exponent, TextPrecedence::Power)
     }
 
     fn function(&mut self, function: Function, arguments: &[Expr], depth: usize) -> Text {
@@ -231,19 +232,22 @@ impl Writer<'_> {
             Function::Sqrt if written.len() == 1 => return root(written.remove(0)),
             // Opening and closing bars look the same.
             Function::Abs if written.iter().all(|x| !x.text.contains('|')) => {
-                return Text::new(format!("|{}|", join(written)), Binding::Atom);
+                return Text::new(format!("|{}|", join(written)), TextPrecedence::Atom);
             }
             Function::Powf if written.len() == 2 => {
-                let exponent = written.remove(1).within(Binding::Atom);
-                return Text::new(written.remove(0).within(Binding::Atom) + "^" + &exponent, Binding::Power);
+                let exponent = written.remove(1).within(TextPrecedence::Atom);
+                return Text::new(
+                    written.remove(0).within(TextPrecedence::Atom) + "^" + &exponent,
+                    TextPrecedence::Power,
+                );
             }
             Function::Special(special) if special.order() > 0 => {
                 let name = format!("{}_{}", special.name(), special.order());
-                return Text::new(format!("{name}({})", join(written)), Binding::Atom);
+                return Text::new(format!("{name}({})", join(written)), TextPrecedence::Atom);
             }
             _ => {}
         }
-        Text::new(format!("{}({})", function.method(), join(written)), Binding::Atom)
+        Text::new(format!("{}({})", function.method(), join(written)), TextPrecedence::Atom)
     }
 }
 
@@ -267,7 +271,7 @@ fn join(texts: Vec<Text>) -> String {
 }
 
 fn root(base: Text) -> Text {
-    Text::new(format!("√{}", base.within(Binding::Atom)), Binding::Power)
+    Text::new(format!("√{}", base.within(TextPrecedence::Atom)), TextPrecedence::Power)
 }
 
 /// Factors separated by spaces, or by a dot before a number.
@@ -278,20 +282,20 @@ fn juxtapose(mut factors: Vec<Text>) -> Text {
     let mut text = String::new();
     for factor in factors {
         // A quotient inside a product: `(a/b) c`.
-        let factor = factor.within(Binding::Power);
+        let factor = factor.within(TextPrecedence::Power);
         if !text.is_empty() {
             text.push_str(if factor.starts_with(|first: char| first.is_ascii_digit()) { "·" } else { " " });
         }
         text.push_str(&factor);
     }
-    Text::new(text, Binding::Product)
+    Text::new(text, TextPrecedence::Product)
 }
 
 fn number(value: Rational) -> Text {
     let binding = match value {
-        value if value.is_negative() => Binding::Sum,
-        value if value.is_integer() => Binding::Atom,
-        _ => Binding::Product,
+        value if value.is_negative() => TextPrecedence::Sum,
+        value if value.is_integer() => TextPrecedence::Atom,
+        _ => TextPrecedence::Product,
     };
     Text::new(value.to_string(), binding)
 }
@@ -299,22 +303,22 @@ fn number(value: Rational) -> Text {
 fn float(value: f64) -> Text {
     use std::f64::consts;
     let known = [
-        (consts::PI, "π", Binding::Atom),
-        (consts::TAU, "2 π", Binding::Product),
-        (consts::FRAC_PI_2, "π/2", Binding::Product),
-        (consts::FRAC_PI_3, "π/3", Binding::Product),
-        (consts::FRAC_PI_4, "π/4", Binding::Product),
-        (consts::FRAC_PI_6, "π/6", Binding::Product),
-        (consts::E, "e", Binding::Atom),
-        (consts::LN_2, "ln(2)", Binding::Atom),
-        (consts::LN_10, "ln(10)", Binding::Atom),
-        (consts::SQRT_2, "√2", Binding::Power),
-        (consts::FRAC_1_SQRT_2, "1/√2", Binding::Product),
+        (consts::PI, "π", TextPrecedence::Atom),
+        (consts::TAU, "2 π", TextPrecedence::Product),
+        (consts::FRAC_PI_2, "π/2", TextPrecedence::Product),
+        (consts::FRAC_PI_3, "π/3", TextPrecedence::Product),
+        (consts::FRAC_PI_4, "π/4", TextPrecedence::Product),
+        (consts::FRAC_PI_6, "π/6", TextPrecedence::Product),
+        (consts::E, "e", TextPrecedence::Atom),
+        (consts::LN_2, "ln(2)", TextPrecedence::Atom),
+        (consts::LN_10, "ln(10)", TextPrecedence::Atom),
+        (consts::SQRT_2, "√2", TextPrecedence::Power),
+        (consts::FRAC_1_SQRT_2, "1/√2", TextPrecedence::Product),
     ];
     match known.into_iter().find(|&(constant, ..)| constant == value) {
         Some((_, text, binding)) => Text::new(text, binding),
-        None if value < 0.0 => Text::new(format!("{value:?}"), Binding::Sum),
-        None => Text::new(format!("{value:?}"), Binding::Atom),
+        None if value < 0.0 => Text::new(format!("{value:?}"), TextPrecedence::Sum),
+        None => Text::new(format!("{value:?}"), TextPrecedence::Atom),
     }
 }
 

@@ -1,16 +1,20 @@
 //! Exact values of expressions at random points of finite fields.
 //!
-//! With every function of one argument node replaced by an independent random number (or a rational function of one,
-//! so that `sin² + cos² = 1`, addition theorems and `2 sin²(x/2) = 1 - cos x` hold;
-//! `hypot(x, y)` is `√(x² + y²)`, `x^y` maps sums of exponents to products, `2^x` is such a power of 2, and `log2`, `log10` and
-//! `ln(1 + x)` are logarithms `ln`), an expression is a rational function of degree `d` in random numbers of the
-//! field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p` (Schwartz, Zippel),
-//! below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals could still vanish
-//! modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure, exclude that.
+//! With every function of one argument node replaced by an independent random number (or a rational function
+//! of one, so that `sin² + cos² = 1`, addition theorems and `2 sin²(x/2) = 1 - cos x` hold; `hypot(x, y)` is
+//! `√(x² + y²)`, `x^y` maps sums of exponents to products, `2^x` is such a power of 2, and `log2`, `log10`
+//! and `ln(1 + x)` are logarithms `ln`), an expression is a rational function of degree `d` in random numbers
+//! of the field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p`
+//! (Schwartz, Zippel), below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals
+//! could still vanish modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure,
+//! exclude that.
 //!
-//! Square roots take a random sign per value and point: an expression such as `√(x²) - x` vanishes for only half of
-//! them, so that with roots [`POINTS_WITH_ROOTS`] points are tried. A base that is not a square has its root in
-//! the quadratic extension by `i = √-1` (both primes are 3 modulo 4), so that hardly any point is lost.
+//! Square roots take a random sign per value and point: an expression such as `√(x²) - x` vanishes for only
+//! half of them, so that with roots [`POINTS_WITH_ROOTS`] points are tried. A base that is not a square has
+//! its root in the quadratic extension by `i = √-1` (both primes are 3 modulo 4), so that hardly any point is
+//! lost.
+//!
+//! Tests: `symbolic/tests/mod.rs`, `lower/tests/identities.rs`.
 
 use std::f64::consts::{LN_2, LN_10};
 
@@ -34,7 +38,8 @@ pub(super) fn vanishes_modulo_primes(graph: &Graph, expr: Expr) -> bool {
     let wanted = if has_roots { POINTS_WITH_ROOTS } else { POINTS };
     let mut found = 0;
     for attempt in 0..wanted * ATTEMPTS {
-        let point = Point { graph, field: Field(PRIMES[attempt % 2]), seed: attempt as u64, parts };
+        let point =
+            Point { graph, field: QuadraticExtension(PRIMES[attempt % 2]), seed: attempt as u64, parts };
         match graph.fold(&[expr], None, |part, node, value| point.node(part, node, value))[0] {
             Some(value) if value == Residue::ZERO => found += 1,
             Some(_) => return false,
@@ -134,9 +139,9 @@ impl Residue {
 
 /// The field with `p²` elements, for a prime `p` that is 3 modulo 4.
 #[derive(Clone, Copy)]
-struct Field(u64);
+struct QuadraticExtension(u64);
 
-impl Field {
+impl QuadraticExtension {
     fn add_modulo(self, a: u64, b: u64) -> u64 {
         (a + b) % self.0
     }
@@ -236,7 +241,7 @@ impl Field {
 
 /// The kind of a random number: equal keys give equal numbers at one point.
 #[derive(Clone, Copy)]
-enum Atom {
+enum RandomKind {
     Node = 1,
     Symbol,
     RootSign,
@@ -251,20 +256,20 @@ enum Atom {
 /// One random point: every atom has a value that only depends on the seed.
 struct Point<'a> {
     graph: &'a Graph,
-    field: Field,
+    field: QuadraticExtension,
     seed: u64,
     /// Angles and exponents are multiples of this part of their summands.
     parts: i64,
 }
 
 impl Point<'_> {
-    fn random(&self, atom: Atom, key: u64) -> u64 {
+    fn random(&self, atom: RandomKind, key: u64) -> u64 {
         let mut generator = SplitMix::new(self.seed.wrapping_mul(0xd134_2543_de82_ef95) ^ atom as u64);
         let mixed = generator.next() ^ key.wrapping_mul(0xa076_1d64_78bd_642f);
         SplitMix::new(mixed).next()
     }
 
-    fn atom(&self, atom: Atom, key: u64) -> Residue {
+    fn atom(&self, atom: RandomKind, key: u64) -> Residue {
         Residue { re: self.random(atom, key) % self.field.0, im: 0 }
     }
 
@@ -274,7 +279,7 @@ impl Point<'_> {
         match node {
             Node::Number(number) => field.rational(*number),
             Node::Float(bits) => field.float(f64::from_bits(*bits)),
-            Node::Symbol(symbol) => Some(self.atom(Atom::Symbol, symbol.index() as u64)),
+            Node::Symbol(symbol) => Some(self.atom(RandomKind::Symbol, symbol.index() as u64)),
             Node::Sum { terms, constant } => {
                 let mut sum = field.rational(*constant)?;
                 for &(term, coefficient) in terms {
@@ -314,7 +319,7 @@ impl Point<'_> {
             Node::Apply(function, arguments) => self.function(expr, *function, arguments[0], value),
             Node::Select { .. } => match self.slope_of_power(node) {
                 Some(slope) => value(slope),
-                None => Some(self.atom(Atom::Node, expr.index() as u64)),
+                None => Some(self.atom(RandomKind::Node, expr.index() as u64)),
             },
             Node::Compare(..) | Node::Not(_) | Node::Join(..) => Some(Residue::ZERO),
         }
@@ -323,11 +328,12 @@ impl Point<'_> {
     /// The square root of a value, with a random sign: the same for equal values.
     fn root(&self, value: Residue) -> Option<Residue> {
         let root = self.field.root(value)?;
-        let flips = self.random(Atom::RootSign, mix(value.re, value.im)) & (1 << 32) != 0;
+        let flips = self.random(RandomKind::RootSign, mix(value.re, value.im)) & (1 << 32) != 0;
         Some(if flips { self.field.negate(root) } else { root })
     }
 
-    /// The second branch of `if y == 0 { 0 } else { y f }`, which has this value everywhere: the derivative of `x^y` by `x`.
+    /// The second branch of `if y == 0 { 0 } else { y f }`, which has this value everywhere: the derivative
+    /// of `x^y` by `x`.
     fn slope_of_power(&self, node: &Node) -> Option<Expr> {
         let &Node::Select { condition, then, otherwise } = node else { return None };
         let &Node::Compare(Relation::Equal, a, b) = self.graph.node(condition) else { return None };
@@ -365,12 +371,13 @@ impl Point<'_> {
                     _ => field.divide(twice_sinh, twice_cosh),
                 }
             }
-            _ => Some(self.atom(Atom::Node, expr.index() as u64)),
+            _ => Some(self.atom(RandomKind::Node, expr.index() as u64)),
         }
     }
 
-    /// A special function of `argument`, whose value is `x`: by `erf(-x) = -erf(x)`, `erfc = 1 - erf`, and by the recurrences
-    /// `f_n = (2ν f_(n-1) - f_(n-2))/x²` of the families, down to sine and cosine, `j0` and `j1`.
+    /// A special function of `argument`, whose value is `x`: by `erf(-x) = -erf(x)`, `erfc = 1 - erf`, and by
+    /// the recurrences `f_n = (2ν f_(n-1) - f_(n-2))/x²` of the families, down to sine and cosine, `j0` and
+    /// `j1`.
     fn special(&self, special: Special, argument: Expr, x: Residue) -> Option<Residue> {
         let field = self.field;
         let opposite = field.negate(x);
@@ -387,7 +394,7 @@ impl Point<'_> {
         };
         match special {
             Special::Erf | Special::Erfc => {
-                let positive = self.atom(Atom::ErrorFunction, size);
+                let positive = self.atom(RandomKind::ErrorFunction, size);
                 let erf = if is_below { positive } else { field.negate(positive) };
                 Some(if special == Special::Erf { erf } else { field.subtract(Residue::ONE, erf) })
             }
@@ -397,9 +404,9 @@ impl Point<'_> {
                 // `f_(-1)` is the cosine.
                 climb([cosine, field.divide(sine, x)?], 0, n, &|k| 2 * k + 1)
             }
-            Special::Bessel(0) => Some(self.atom(Atom::Bessel, mix(size, 0))),
+            Special::Bessel(0) => Some(self.atom(RandomKind::Bessel, mix(size, 0))),
             Special::Bessel(n) => {
-                let pair = [0, 1].map(|order| self.atom(Atom::Bessel, mix(size, order)));
+                let pair = [0, 1].map(|order| self.atom(RandomKind::Bessel, mix(size, order)));
                 climb(pair, 1, n, &|k| 2 * k)
             }
         }
@@ -410,7 +417,7 @@ impl Point<'_> {
         let rounded = [(2, LN_2), (10, LN_10)].into_iter().find(|(x, _)| self.field.integer(*x) == value);
         match rounded {
             Some((_, logarithm)) => self.field.float(logarithm),
-            None => Some(self.atom(Atom::Logarithm, mix(value.re, value.im))),
+            None => Some(self.atom(RandomKind::Logarithm, mix(value.re, value.im))),
         }
     }
 
@@ -420,7 +427,7 @@ impl Point<'_> {
         let root = match d {
             1 => Residue::ONE,
             2 => self.root(base)?,
-            _ => self.atom(Atom::Power, mix(mix(base.re, base.im), mix(d as u64, 0))),
+            _ => self.atom(RandomKind::Power, mix(mix(base.re, base.im), mix(d as u64, 0))),
         };
         let whole = field.power_signed(base, n.div_euclid(d))?;
         Some(field.multiply(whole, field.power_signed(root, n.rem_euclid(d))?))
@@ -442,7 +449,7 @@ impl Point<'_> {
     /// `base^(coefficient · term)`
     fn power_by(&self, base: Residue, term: Expr, coefficient: Rational) -> Option<Residue> {
         let (key, count) = self.summand(term.index() as u64, coefficient);
-        let part = self.atom(Atom::Power, mix(mix(base.re, base.im), mix(key, 1)));
+        let part = self.atom(RandomKind::Power, mix(mix(base.re, base.im), mix(key, 1)));
         self.field.power_signed(part, count)
     }
 
@@ -456,7 +463,7 @@ impl Point<'_> {
                 None => {
                     let key = term.map_or(u64::MAX, |term| term.index() as u64);
                     let (key, count) = self.summand(key, coefficient);
-                    self.field.power_signed(self.atom(Atom::Exponential, key), count)?
+                    self.field.power_signed(self.atom(RandomKind::Exponential, key), count)?
                 }
             };
             product = self.field.multiply(product, factor);
@@ -478,15 +485,15 @@ impl Point<'_> {
         logarithm(a).map(|of| (of, Some(b))).or_else(|| logarithm(b).map(|of| (of, Some(a))))
     }
 
-    /// `cos + i sin` of the argument: `(1 + i τ) / (1 - i τ)`, a rational point of the circle, for each angle.
-    /// A sum of angles is a product of rotations, so that addition theorems hold.
+    /// `cos + i sin` of the argument: `(1 + i τ) / (1 - i τ)`, a rational point of the circle, for each
+    /// angle. A sum of angles is a product of rotations, so that addition theorems hold.
     fn rotation(&self, argument: Expr) -> Option<Residue> {
         linear_terms(self.graph, argument).into_iter().try_fold(
             Residue::ONE,
             |product, (term, coefficient)| {
                 let key = term.map_or(u64::MAX, |term| term.index() as u64);
                 let (key, count) = self.summand(key, coefficient);
-                let tau = self.atom(Atom::Angle, key).re;
+                let tau = self.atom(RandomKind::Angle, key).re;
                 let [above, below] = [tau, self.field.negate_modulo(tau)].map(|im| Residue { re: 1, im });
                 let rotation = self.field.divide(above, below)?;
                 Some(self.field.multiply(product, self.field.power_signed(rotation, count)?))
@@ -494,8 +501,8 @@ impl Point<'_> {
         )
     }
 
-    /// `coefficient · term` as a count of parts of the term, `f(n x / d) = f(x / parts)^count`. The key tells the term, and the
-    /// denominator where it is no divisor of the number of parts.
+    /// `coefficient · term` as a count of parts of the term, `f(n x / d) = f(x / parts)^count`. The key tells
+    /// the term, and the denominator where it is no divisor of the number of parts.
     fn summand(&self, key: u64, coefficient: Rational) -> (u64, i64) {
         let (n, d) = (coefficient.numerator(), coefficient.denominator());
         let whole = (self.parts % d == 0).then(|| n.checked_mul(self.parts / d)).flatten();

@@ -47,7 +47,7 @@ const ENOUGH: usize = 6;
 const UNBOUNDED: f64 = 1e-8;
 
 /// The value of a node in binary64; conditions are 1 or 0.
-fn plain(node: &Node, values: &dyn Fn(Symbol) -> f64, value: &dyn Fn(Expr) -> f64) -> f64 {
+fn evaluate_plain(node: &Node, values: &dyn Fn(Symbol) -> f64, value: &dyn Fn(Expr) -> f64) -> f64 {
     let truth = |holds: bool| f64::from(u8::from(holds));
     match node {
         Node::Number(number) => number.to_f64(),
@@ -120,7 +120,8 @@ impl Graph {
                 return Some(found);
             }
             // Where a part overflows there is no bound, and may be a value: exp(-1/q²), 1/(1 + exp(1/q)).
-            let value = self.fold(&[expr], f64::NAN, |_, node, value| plain(node, &coordinate, value))[0];
+            let value =
+                self.fold(&[expr], f64::NAN, |_, node, value| evaluate_plain(node, &coordinate, value))[0];
             (!value.is_nan()).then_some(Bounded { value, error: UNBOUNDED * value.abs() })
         };
         let is_above = |share: f64| match edge {

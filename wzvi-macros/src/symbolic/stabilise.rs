@@ -39,7 +39,7 @@ mod tests;
 
 /// `Σ coefficient · term` during rewriting; the constant is a term of the number one, and replaced terms have
 /// no coefficient.
-type Terms = Vec<(Expr, Option<Rational>)>;
+type PendingTerms = Vec<(Expr, Option<Rational>)>;
 
 impl Graph {
     /// The values of `roots` in stable forms.
@@ -92,7 +92,7 @@ impl Graph {
 
     fn stable_sum(&mut self, expr: Expr, terms: &[(Expr, Rational)], constant: Rational) -> Expr {
         let one = self.integer(1);
-        let mut pool: Terms = terms.iter().map(|&(term, c)| (term, Some(c))).collect();
+        let mut pool: PendingTerms = terms.iter().map(|&(term, c)| (term, Some(c))).collect();
         if !constant.is_zero() {
             pool.push((one, Some(constant)));
         }
@@ -112,7 +112,7 @@ impl Graph {
     }
 
     /// `a f(x)` with `±a`, and `a exp x + a exp(-x)` with `-2 a`, for every such group in the sum.
-    fn pair_functions(&mut self, pool: &mut Terms) -> Vec<(Expr, Rational)> {
+    fn pair_functions(&mut self, pool: &mut PendingTerms) -> Vec<(Expr, Rational)> {
         let places: HashMap<Expr, usize> = pool.iter().enumerate().map(|(i, &(term, _))| (term, i)).collect();
         let mut replacements = Vec::new();
         for i in 0..pool.len() {
@@ -143,7 +143,7 @@ impl Graph {
     }
 
     /// `n - cos x_1 - ... - cos x_n`: the constants of a sum of many `1 - cos x` have been added.
-    fn share_constant(&mut self, pool: &mut Terms, one: Expr) -> Vec<(Expr, Rational)> {
+    fn share_constant(&mut self, pool: &mut PendingTerms, one: Expr) -> Vec<(Expr, Rational)> {
         let Some((_, Some(constant))) = pool.iter().rev().find(|(term, _)| *term == one).copied() else {
             return Vec::new();
         };

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::{DEGREES, for_each};
-use crate::discretise::{Facts, StepSlopes, is_nystrom};
+use crate::discretise::{Facts, StepGradient, is_nystrom};
 use crate::model::{Phase, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
@@ -27,7 +27,7 @@ Discrete Euler-Lagrange equations
     );
     let is_nystrom = is_nystrom(system, facts);
     let graph = &mut system.graph;
-    let slopes = line.map(|line| StepSlopes::new(graph, line, is_nystrom));
+    let slopes = line.map(|line| StepGradient::new(graph, line, is_nystrom));
     match line.zip(slopes.as_ref()) {
         Some((line, slopes)) => equations(graph, &line.phase, slopes, &mut text),
         None => text.push_str(
@@ -58,7 +58,7 @@ Discrete Euler-Lagrange equations
 }
 
 /// `V` and `K`, the slopes of `F` at a stage, by component.
-fn equations(graph: &mut Graph, phase: &Phase, slopes: &StepSlopes, text: &mut String) {
+fn equations(graph: &mut Graph, phase: &Phase, slopes: &StepGradient, text: &mut String) {
     let mut placement = HashMap::new();
     for &symbol in phase.q.iter().chain(&phase.p).chain([&phase.t]) {
         let at_stage = graph.new_symbol(format!("{}_j", graph.symbol_name(symbol)));

@@ -29,13 +29,13 @@ impl Named {
         Self { part, is_force, factor, name, definition, sum }
     }
 
-    /// What it contributes to `∂L_d/∂P`.
+    /// The contribution to `∂L_d/∂P`.
     fn by_p(&self) -> Option<String> {
         let is_there = !self.is_force && self.sum.iter().any(|weighted| weighted.element.reads().p);
         is_there.then(|| format!("∂{}/∂p", self.name))
     }
 
-    /// What it contributes to the change of the momenta.
+    /// The contribution to the change of the momenta.
     fn by_q(&self) -> Option<String> {
         let is_there = self.sum.iter().any(|weighted| weighted.element.reads().q);
         match self.is_force {
@@ -67,7 +67,7 @@ pub(crate) fn derivation(
     // In a copy: the order of products in the code is that in which their nodes were made.
     let graph = &mut system.graph.clone();
     for half in [Half::Momenta, Half::Coordinates, Half::Displacements] {
-        parts.iter().for_each(|part| slopes(graph, facts, part, half, &mut text));
+        parts.iter().for_each(|part| gradient(graph, facts, part, half, &mut text));
     }
     let iterated = "by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES \
                      where the band is wide";
@@ -140,7 +140,7 @@ fn point(q: &str, l: Rational) -> String {
 }
 
 /// The contributions of a part to its slopes by one half, line by line.
-fn slopes(graph: &mut Graph, facts: &Facts, part: &Named, half: Half, text: &mut String) {
+fn gradient(graph: &mut Graph, facts: &Facts, part: &Named, half: Half, text: &mut String) {
     let Named { name, sum, .. } = part;
     for Weighted { element, increments } in
         sum.iter().filter(|_| part.is_force == (half == Half::Displacements))

@@ -14,8 +14,8 @@ pub(crate) struct Flows {
 }
 
 impl Flows {
-    /// `None` if `Verlet` is not listed, or must be computed as its two halves. Flows require that no term has a momentum
-    /// together with a coordinate or with the time, which is constant during a drift.
+    /// `None` if `Verlet` is not listed, or must be computed as its two halves. Flows require that no term
+    /// has a momentum together with a coordinate or with the time, which is constant during a drift.
     pub(crate) fn of(system: &mut System, facts: &Facts, listed: &[Embedding]) -> Option<Self> {
         let is_wanted = listed.iter().any(Embedding::takes_flows);
         if !facts.is_separable || !is_wanted || system.conformal.is_some() {
@@ -32,7 +32,8 @@ impl Flows {
     }
 }
 
-/// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates and time, and forces read no more.
+/// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates
+/// and time, and forces read no more.
 pub(crate) fn is_nystrom(model: &mut System, facts: &Facts) -> bool {
     let is_noisy = model.noise.iter().flat_map(|noise| &noise.term.elements).any(|e| e.reads().p);
     facts.is_separable && !is_noisy && model.conformal.is_none() && Kinetic::of(model).is_some()

@@ -1,7 +1,7 @@
-//! Forces: the powers that change the energy, the defect of noise forces, commutators.
+//! Forces: the powers that change the energy, the defect of noise forces, commutators. Tests: `tests/forces`.
 
 use super::{all, is_affine};
-use crate::discretise::{Calculus, Increments, Judged, Sum, Weighted};
+use crate::discretise::{Calculus, Increments, KnownSum, Sum, Weighted};
 use crate::model::Half;
 use crate::symbolic::Knowledge;
 
@@ -21,8 +21,8 @@ pub(super) struct Forces {
 }
 
 impl Forces {
-    /// All forces, with what is said of their powers; nothing of a damping matrix, whose product here is with momenta, not
-    /// with velocities.
+    /// All forces, with what is said of their powers; nothing of a damping matrix, whose product here is with
+    /// momenta, not with velocities.
     fn named(&self) -> impl Iterator<Item = (Option<String>, &Sum)> {
         let powers = |number: &str| Some(format!("F{number} · ∂H0/∂p ="));
         let friction = (!self.is_matrix).then(|| "friction takes from H0 per unit of time:".to_owned());
@@ -32,7 +32,7 @@ impl Forces {
     }
 
     /// `f · ∂H_0/∂p` of each force.
-    pub(super) fn powers(&self, sums: &mut Calculus<'_>, drift: &Sum) -> Vec<(Option<String>, Judged)> {
+    pub(super) fn powers(&self, sums: &mut Calculus<'_>, drift: &Sum) -> Vec<(Option<String>, KnownSum)> {
         let powers = self.named().map(|(name, force)| {
             let power = along(sums, force, drift);
             (name, sums.vanishes(power, Increments::Each))
@@ -40,10 +40,10 @@ impl Forces {
         powers.collect()
     }
 
-    /// `Σ_k (f_k · ∂/∂p) f_k` of noise forces: with `dp = f(p) ∘ dW`, `p' = p + f(p + (1 - l) (p' - p)) ΔW` is
-    /// `p + f ΔW + (1 - l) f' f ΔW²` to the relevant order, whereas the Stratonovich system has `1/2` instead
-    /// of `1 - l`.
-    pub(super) fn defect(&self, sums: &mut Calculus<'_>) -> Judged {
+    /// `Σ_k (f_k · ∂/∂p) f_k` of noise forces: with `dp = f(p) ∘ dW`, `p' = p + f(p + (1 - l) (p' - p)) ΔW`
+    /// is `p + f ΔW + (1 - l) f' f ΔW²` to the relevant order, whereas the Stratonovich system has `1/2`
+    /// instead of `1 - l`.
+    pub(super) fn defect(&self, sums: &mut Calculus<'_>) -> KnownSum {
         let (all, increments) = (self.noise.concat(), Increments::Diagonal);
         let defect = sums.contract((&all, Half::Displacements), (&all, Half::Momenta), increments);
         sums.vanishes(defect, increments)

@@ -7,20 +7,20 @@ use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// The form of a function, which decides whether schemes keep it exactly.
 #[derive(Clone, Copy)]
-pub(crate) struct Form {
+pub(crate) struct PreservedForm {
     /// Quadratic in (q, p): a first integral is kept exactly by `Midpoint`.
     quadratic: bool,
     /// `pᵀA q` plus linear terms: kept exactly by every embedding with one `P`, and by compositions of them.
     bilinear: bool,
 }
 
-impl Form {
-    /// That of a function which no step is known to keep exactly.
+impl PreservedForm {
+    /// The form of a function that no step is known to keep exactly.
     pub(super) const NONE: Self = Self { quadratic: false, bilinear: false };
-    /// That of a constant.
+    /// The form of a constant.
     pub(super) const CONSTANT: Self = Self { quadratic: true, bilinear: true };
 
-    /// That of a function of both: what keeps both keeps it.
+    /// The form of a function of two: a step that keeps both keeps it.
     pub(super) fn and(self, other: Self) -> Self {
         Self { quadratic: self.quadratic && other.quadratic, bilinear: self.bilinear && other.bilinear }
     }
@@ -96,8 +96,8 @@ pub(super) fn has_constant_curvature(system: &mut System) -> bool {
         && of_noise.all(|e| curvature(e, &|graph, value, _| graph.is_zero(value)))
 }
 
-/// The most degrees of freedom that depend on each other through elements of one point; `None` if an element reads two points. Then the
-/// second derivatives of the step Hamiltonian have a block for each point.
+/// The most degrees of freedom that depend on each other through elements of one point; `None` if an element
+/// reads two points. Then the second derivatives of the step Hamiltonian have a block for each point.
 pub(super) fn coupled_degrees(system: &System) -> Option<usize> {
     let components = usize::try_from(system.components).ok()?;
     // The set of each component, by one of its members.

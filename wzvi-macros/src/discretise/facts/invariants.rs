@@ -1,12 +1,13 @@
-//! First integrals: the rates of a function along the drift, the noises and the forces.
+//! First integrals: the rates of a function along the drift, the noises and the forces. Tests:
+//! `lower/tests/identities.rs`, `tests/steps/invariants.rs`.
 
 use super::forces::{self, Forces};
 use super::form::is_quadratic;
-use super::{Form, Hamiltonians, boundaries_in, kept_across};
+use super::{Hamiltonians, PreservedForm, boundaries_in, kept_across};
 use std::collections::HashMap;
 
 use crate::diagnostics::Extent;
-use crate::discretise::{Calculus, Increments, Judged, Sum, Weighted};
+use crate::discretise::{Calculus, Increments, KnownSum, Sum, Weighted};
 use crate::model::Element;
 use crate::symbolic::{Expr, Knowledge, Node, Rational};
 
@@ -18,7 +19,7 @@ pub(crate) struct Invariant {
     pub(crate) value: Sum,
     /// The first rate that is not proven zero.
     pub(crate) failure: Option<Failure>,
-    pub(crate) form: Form,
+    pub(crate) form: PreservedForm,
 }
 
 /// A term that prevents a function from being a first integral.
@@ -26,11 +27,11 @@ pub(crate) struct Failure {
     /// The flow along which it changes, with the formula of the rate; or the place
     /// where it jumps.
     pub(crate) along: String,
-    /// Of the rate; a jump has none.
-    pub(crate) found: Judged,
+    /// The rate and what is known of it. A jump has no rate.
+    pub(crate) found: KnownSum,
 }
 
-/// What is known of each rate of a function, or jump of it, until one is not proven to vanish.
+/// Checks the rates and the jumps of a function, up to the first that is not proven to vanish.
 struct Rates<'r, 'c> {
     sums: &'r mut Calculus<'c>,
     failure: Option<Failure>,
@@ -47,7 +48,7 @@ impl Rates<'_, '_> {
 
     fn state(&mut self, along: String, known: Knowledge) {
         if self.failure.is_none() && !known.is_proven() {
-            self.failure = Some(Failure { along, found: Judged { sum: None, known } });
+            self.failure = Some(Failure { along, found: KnownSum { sum: None, known } });
         }
     }
 }
@@ -75,7 +76,8 @@ pub(super) fn invariant(
         let reason = "a bath with a temperature acts on every momentum with friction".to_owned();
         rates.state("the bath".to_owned(), Knowledge::Unknown(reason));
     }
-    // Its derivatives are those of the pieces. No motion crosses a surface on which another first integral is constant.
+    // The derivatives are the derivatives of the pieces. No motion crosses a surface on which another first
+    // integral is constant.
     for Weighted { element, .. } in &value {
         for boundary in boundaries_in(rates.sums.graph, element, *t) {
             let known = kept_across("it", &boundary);
@@ -89,12 +91,13 @@ pub(super) fn invariant(
     Invariant { extent, name, form, value, failure }
 }
 
-/// The form of a first integral, or of the first integrals of which it is a function: `(x p_y - y p_x)²` is kept where `x p_y - y p_x` is.
-pub(super) fn form_of(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> Form {
+/// The form of a first integral, or of the first integrals of which it is a function: `(x p_y - y p_x)²` is
+/// kept where `x p_y - y p_x` is.
+pub(super) fn form_of(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> PreservedForm {
     if !is_exact(sums, of, value) {
-        return Form::NONE;
+        return PreservedForm::NONE;
     }
-    let form = Form::of(sums.graph, value);
+    let form = PreservedForm::of(sums.graph, value);
     if form.is_known() || value.iter().any(|weighted| !weighted.element.loops.is_empty()) {
         return form;
     }
@@ -106,32 +109,34 @@ pub(super) fn form_of(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -
     form_of_part(sums, of, whole, &mut HashMap::new())
 }
 
-/// Steps take friction as a flow of its own, and explicit time at the nodes of a quadrature: what depends on both parts is not kept exactly.
+/// Steps take friction as a flow of its own, and explicit time at the nodes of a quadrature: what depends on
+/// both parts is not kept exactly.
 fn is_exact(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> bool {
     let reads_time = value.iter().any(|weighted| sums.graph.depends_on(weighted.element.value, &[of.t]));
     let damping = forces::along(sums, &of.forces.friction, value);
     !reads_time && sums.vanishes(damping, Increments::Each).known.is_proven()
 }
 
-/// Of a part of a first integral: of a polynomial of degree two that is one itself, or of all operands.
+/// The form of a part of a first integral: its own, if it is a polynomial of degree two and a first integral,
+/// else the common form of its operands.
 fn form_of_part(
     sums: &mut Calculus<'_>,
     of: &Hamiltonians,
     part: Expr,
-    known: &mut HashMap<Expr, Form>,
-) -> Form {
+    known: &mut HashMap<Expr, PreservedForm>,
+) -> PreservedForm {
     if let Some(&form) = known.get(&part) {
         return form;
     }
     let element = sums.space.element_of(sums.graph, part);
     let form = if element.state().is_empty() && !sums.graph.depends_on(part, &[of.t]) {
-        Form::CONSTANT
+        PreservedForm::CONSTANT
     } else {
         let value = vec![Weighted { element, increments: Vec::new() }];
-        let form = Form::of(sums.graph, &value);
+        let form = PreservedForm::of(sums.graph, &value);
         if form.is_known() {
             let is_kept = is_exact(sums, of, &value) && is_constant(sums, of, &value);
-            if is_kept { form } else { Form::NONE }
+            if is_kept { form } else { PreservedForm::NONE }
         } else {
             form_of_operands(sums, of, part, known)
         }
@@ -144,8 +149,8 @@ fn form_of_operands(
     sums: &mut Calculus<'_>,
     of: &Hamiltonians,
     part: Expr,
-    known: &mut HashMap<Expr, Form>,
-) -> Form {
+    known: &mut HashMap<Expr, PreservedForm>,
+) -> PreservedForm {
     let operands = match sums.graph.node(part).clone() {
         Node::Sum { terms, .. } => {
             // Terms of degree two are one first integral together.
@@ -160,15 +165,19 @@ fn form_of_operands(
         }
         node => node.operands(),
     };
-    let mut form = Form::CONSTANT;
+    let mut form = PreservedForm::CONSTANT;
     for operand in operands {
         // A polynomial of degree two has been tried as a whole.
-        form = if operand == part { Form::NONE } else { form.and(form_of_part(sums, of, operand, known)) };
+        form = if operand == part {
+            PreservedForm::NONE
+        } else {
+            form.and(form_of_part(sums, of, operand, known))
+        };
         if !form.is_known() {
-            return Form::NONE;
+            return PreservedForm::NONE;
         }
     }
-    if sums.graph.as_symbol(part).is_some() { Form::NONE } else { form }
+    if sums.graph.as_symbol(part).is_some() { PreservedForm::NONE } else { form }
 }
 
 /// Whether a function of the variables of an element without loops is constant along the motion.

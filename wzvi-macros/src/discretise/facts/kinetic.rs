@@ -11,7 +11,8 @@ pub(crate) struct Kinetic {
 }
 
 impl Kinetic {
-    /// `None` unless the drift is a constant quadratic form of the momenta plus a function of coordinates and time.
+    /// `None` unless the drift is a constant quadratic form of the momenta plus a function of coordinates and
+    /// time.
     pub(crate) fn of(system: &mut System) -> Option<Self> {
         let System { graph, drift, t, .. } = system;
         let (mut is_diagonal, mut is_quadratic) = (true, true);

@@ -1,14 +1,17 @@
 //! The parts of `drift = [H_A, H_B]`, and whether their flows are known.
 //!
-//! Forces and friction join the flow that remains exactly solvable with them (`f` the force, `γ` one rate of friction, `T`
-//! quadratic):
+//! Forces and friction join the flow that remains exactly solvable with them (`f` the force, `γ` one rate of
+//! friction, `T` quadratic):
 //!
 //! | part | flow |
 //! |---|---|
 //! | `V(q, t)`, forces `f(q, t)` | kick: `q` is constant, `p' = -∂V/∂q + f` |
 //! | a quadratic form, friction | linear map of `q' = ∂H/∂p`, `p' = -∂H/∂q - γ p` |
 //!
-//! Every flow of the second kind multiplies `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally symplectic.
+//! Every flow of the second kind multiplies `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally
+//! symplectic.
+//!
+//! Tests: `tests/forces/work.rs`.
 
 use crate::diagnostics::Extent;
 use crate::discretise::is_quadratic;
@@ -17,28 +20,29 @@ use crate::symbolic::{Graph, Symbol};
 
 /// The form of a part of the drift, by which its flow is known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Form {
+pub(crate) enum SummandForm {
     Coordinates,
     Momenta,
     Quadratic,
 }
 
 /// The forms of both parts; `None` if the drift has no parts, or one whose flow is not known.
-pub(crate) fn forms(system: &mut System) -> Option<[Form; 2]> {
-    let forms = (0..system.parts.len()).map(|part| form(system, part).ok()).collect::<Option<Vec<_>>>()?;
-    homes(system, &forms).ok()?;
+pub(crate) fn forms(system: &mut System) -> Option<[SummandForm; 2]> {
+    let forms = (0..system.summands.len()).map(|part| form(system, part).ok()).collect::<Option<Vec<_>>>()?;
+    assign_forces(system, &forms).ok()?;
     forms.try_into().ok()
 }
 
 /// Whether forces and friction can join parts of these forms; if not, their spans and the reason.
-pub(crate) fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'static str)> {
-    let System { graph, parts, t, force, friction, conformal, .. } = system;
+pub(crate) fn assign_forces(system: &System, forms: &[SummandForm]) -> Result<(), (Extent, &'static str)> {
+    let System { graph, summands, t, force, friction, conformal, .. } = system;
     if forms.is_empty() {
         return Ok(());
     }
     if let (Some(_), Some(friction)) = (conformal, friction) {
-        let moving: Vec<&Form> = forms.iter().filter(|form| **form != Form::Coordinates).collect();
-        if moving != [&Form::Quadratic] {
+        let moving: Vec<&SummandForm> =
+            forms.iter().filter(|form| **form != SummandForm::Coordinates).collect();
+        if moving != [&SummandForm::Quadratic] {
             return Err((
                 friction.term.extent,
                 "friction acts in the part that contains momenta, and both do",
@@ -49,11 +53,11 @@ pub(crate) fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'st
     if force.elements.iter().any(|element| element.reads().p) {
         return Err((force.extent, "it depends on momenta, which change in the flow in which it acts"));
     }
-    let Some(kicks) = forms.iter().position(|form| *form == Form::Coordinates) else {
+    let Some(kicks) = forms.iter().position(|form| *form == SummandForm::Coordinates) else {
         return Err((force.extent, "forces act in a part that contains coordinates only, and there is none"));
     };
     if reads_time(graph, force, *t)
-        && parts.iter().enumerate().any(|(part, term)| part != kicks && reads_time(graph, term, *t))
+        && summands.iter().enumerate().any(|(part, term)| part != kicks && reads_time(graph, term, *t))
     {
         return Err((force.extent, "it and the other part depend on the time, so no flow advances it"));
     }
@@ -61,9 +65,9 @@ pub(crate) fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'st
 }
 
 /// The form of a part, or the reason why its flow is not known.
-pub(crate) fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
-    let System { graph, parts, t, size, noise, conformal, .. } = system;
-    let (term, others) = (&parts[part], &parts[..part]);
+pub(crate) fn form(system: &mut System, part: usize) -> Result<SummandForm, &'static str> {
+    let System { graph, summands, t, size, noise, conformal, .. } = system;
+    let (term, others) = (&summands[part], &summands[..part]);
     if part > 0 && !noise.is_empty() {
         return Err("the noises of the system belong to neither part");
     }
@@ -72,11 +76,11 @@ pub(crate) fn form(system: &mut System, part: usize) -> Result<Form, &'static st
         return Err("both parts depend on the time, so the flow of neither advances it");
     }
     if !term.elements.iter().any(|element| element.reads().p) {
-        return Ok(Form::Coordinates);
+        return Ok(SummandForm::Coordinates);
     }
     // With friction, momenta are not constant either.
     if !term.elements.iter().any(|element| element.reads().q) && conformal.is_none() {
-        return Ok(Form::Momenta);
+        return Ok(SummandForm::Momenta);
     }
     if is_timed || !term.elements.iter().all(|element| is_quadratic(graph, element)) {
         return Err(match conformal {
@@ -90,7 +94,7 @@ pub(crate) fn form(system: &mut System, part: usize) -> Result<Form, &'static st
             None => "it contains coordinates and momenta, and only the state knows the size of the system",
         });
     }
-    Ok(Form::Quadratic)
+    Ok(SummandForm::Quadratic)
 }
 
 /// Whether a term reads the time.

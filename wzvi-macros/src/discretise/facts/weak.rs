@@ -6,10 +6,11 @@
 //! E exp(h L_0 + Σ_k ΔW_k L_k) = exp(h (L_0 + ½ Σ_k L_k²)) - (h²/12) Σ_k [L_k, [L_k, L_0]] + O(h³)
 //! ```
 //!
-//! The exact flow of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k` has weak order two if `D = Σ_k {H_k, {H_k, H_0}}` is constant.
-//! A centred step of order two is the flow of `F` and a combination of elementary Hamiltonians of third order in `F`, such as
-//! `F_qq(F_p, F_p)`. Terms with an odd number of increments have no mean before `h³`, and three increments make no term if all noises read one half
-//! of the phase space, or are affine. Those with two are `h Σ_k` of
+//! The exact flow of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k` has weak order two if
+//! `D = Σ_k {H_k, {H_k, H_0}}` is constant. A centred step of order two is the flow of `F` and a combination
+//! of elementary Hamiltonians of third order in `F`, such as `F_qq(F_p, F_p)`. Terms with an odd number of
+//! increments have no mean before `h³`, and three increments make no term if all noises read one half of the
+//! phase space, or are affine. Those with two are `h Σ_k` of
 //!
 //! ```text
 //! H_k(q):      H_0,pp(H_k,q, H_k,q) = D
@@ -17,15 +18,18 @@
 //! affine H_k:  H_0,pp(H_k,q, H_k,q),  H_0,pq(H_k,q, H_k,p)  and  H_0,qq(H_k,p, H_k,p)
 //! ```
 //!
-//! The last three occur with other factors than in `D`. If `H_0` is a sum `T(p) + V(q)`, the second vanishes, and the others are a function of `p`
-//! and one of `q`: both are constant if `D` is.
+//! The last three occur with other factors than in `D`. If `H_0` is a sum `T(p) + V(q)`, the second vanishes,
+//! and the others are a function of `p` and one of `q`: both are constant if `D` is.
+//!
+//! Tests: `tests/laws/noise.rs`, `discretise/sums/tests.rs`.
 
 use super::{Hamiltonians, NoiseClass};
 use crate::discretise::{Calculus, Increments, Sum};
 use crate::model::Half;
 use crate::symbolic::Knowledge;
 
-/// Whether the order is two, where noises commute. For [`NoiseClass::Multiplicative`] it is that of steps of order four.
+/// Whether the order is two, where noises commute. For [`NoiseClass::Multiplicative`] it is that of steps of
+/// order four.
 pub(super) fn has_order_two(
     sums: &mut Calculus<'_>,
     of: &Hamiltonians,
@@ -48,7 +52,8 @@ pub(super) fn has_order_two(
         }
         NoiseClass::Additive | NoiseClass::Position | NoiseClass::Momentum => {}
     }
-    // Along noises that read no momenta, `[L_k, [L_k, f · ∂/∂p]]` of a force `f` has the second derivatives of `f` by `p`.
+    // Along noises that read no momenta, `[L_k, [L_k, f · ∂/∂p]]` of a force `f` has the second derivatives
+    // of `f` by `p`.
     if !is_closed && (reads_p || !is_affine_in_momenta(sums, &forces.force)) {
         return false;
     }

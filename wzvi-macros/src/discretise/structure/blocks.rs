@@ -34,8 +34,8 @@ impl Dependencies {
         Self { reads, cost }
     }
 
-    /// Strongly connected components, each after those that it reads: the search trees of the reversed graph, rooted in the reverse
-    /// finishing order of a search of the graph (Kosaraju).
+    /// Strongly connected components, each after those that it reads: the search trees of the reversed graph,
+    /// rooted in the reverse finishing order of a search of the graph (Kosaraju).
     pub(crate) fn components(&self) -> Vec<Vec<Unknown>> {
         let mut read_by = vec![Vec::new(); self.reads.len()];
         for (vertex, reads) in self.reads.iter().enumerate() {
@@ -79,7 +79,8 @@ impl Dependencies {
         best.map_or_else(|| component.to_vec(), |(_, _, feedback)| feedback)
     }
 
-    /// The vertices of `component` outside `feedback`, each after those that it reads; `None` if they have a cycle.
+    /// The vertices of `component` outside `feedback`, each after those that it reads; `None` if they have a
+    /// cycle.
     fn order_without(&self, component: &[usize], feedback: &[usize]) -> Option<Vec<usize>> {
         let mut pending: Vec<usize> = component.iter().copied().filter(|v| !feedback.contains(v)).collect();
         pending.sort_unstable();

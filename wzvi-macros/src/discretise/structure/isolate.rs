@@ -1,5 +1,5 @@
-//! Unknowns that can be isolated: `x = φ(x, others)` with `φ` affine in `x` and a slope independent of the state is
-//! `x = φ(0, others) / (1 - slope)`. The unknown is then assigned, not iterated.
+//! Unknowns that can be isolated: `x = φ(x, others)` with `φ` affine in `x` and a slope independent of the
+//! state is `x = φ(0, others) / (1 - slope)`. The unknown is then assigned, not iterated.
 //!
 //! So `H_1 = σ q p` with a nonlinear `V(q)` needs one unknown, not two: `P (1 + σΔW/2) = p - h/2 V'(Q)`.
 

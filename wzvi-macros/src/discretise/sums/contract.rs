@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::solve::{Equation, Placement, solve};
+use super::solve::{Coincidence, Equation, solve};
 use super::{Calculus, Groups, Space, Sum, Weighted, variable};
 use crate::model::{Atom, Element, Half, Index, Loop};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
@@ -36,7 +36,7 @@ impl Factor {
                 index.with(known.variable, &variable(known.variable + shift))
             })
         };
-        let Weighted { mut element, increments } = weighted.moved(&moved, &moved)?;
+        let Weighted { mut element, increments } = weighted.mapped(&moved, &moved)?;
         element.loops.iter_mut().for_each(|known| known.variable += shift);
         Some(Self { element, increments, slopes: HashMap::new() })
     }
@@ -96,7 +96,7 @@ impl Calculus<'_> {
     /// exceeds this arithmetic.
     pub(crate) fn contract(&mut self, one: By<'_>, other: By<'_>, increments: Increments) -> Option<Sum> {
         let ((first, by), (second, other)) = (one, other);
-        let beyond = self.space.beyond();
+        let beyond = self.space.first_free_variable();
         let factors =
             |sum: &Sum, shift: u32| sum.iter().map(|w| Factor::new(w, shift)).collect::<Option<Vec<_>>>();
         let (mut first, mut second) = (factors(first, beyond)?, factors(second, 2 * beyond)?);
@@ -114,7 +114,7 @@ impl Calculus<'_> {
                     let equation = Equation { difference: place.subtract(&there)?, is_of_slots: true };
                     let slopes =
                         [FactorSlope { factor: one, slope }, FactorSlope { factor: two, slope: speed }];
-                    self.place(slopes, equation, increments, &mut groups)?;
+                    self.add_product(slopes, equation, increments, &mut groups)?;
                 }
             }
         }
@@ -122,7 +122,7 @@ impl Calculus<'_> {
     }
 
     /// Adds the product of two slopes, restricted to the solutions of an equation.
-    fn place(
+    fn add_product(
         &mut self,
         slopes: [FactorSlope<'_>; 2],
         equation: Equation,
@@ -147,20 +147,20 @@ impl Calculus<'_> {
         }
         let loops = [one.element.loops.as_slice(), &two.element.loops].concat();
         let Self { space, graph } = self;
-        let Some(placement) = solve(space, loops, equations, 3 * space.beyond())? else {
+        let Some(coincidence) = solve(space, loops, equations, 3 * space.first_free_variable())? else {
             return Some(());
         };
         // All indices of both, to be moved together.
-        let mut placed = Placed { loops: placement.loops.clone(), by: Vec::new() };
+        let mut normal_form = NormalForm { loops: coincidence.loops.clone(), by: Vec::new() };
         let numbers =
-            numbers.iter().map(|index| placement.image(space, index)).collect::<Option<Vec<_>>>()?;
-        let read = space.images(&placement, &[one, two])?;
-        placed.settle(space, &read)?;
+            numbers.iter().map(|index| coincidence.image(space, index)).collect::<Option<Vec<_>>>()?;
+        let read = space.images(&coincidence, &[one, two])?;
+        normal_form.normalise(space, &read)?;
         let mut value = Vec::new();
         for FactorSlope { factor, slope } in slopes {
             let mut images = HashMap::new();
             for local in &factor.element.locals {
-                let slot = local.slot.map(|index| placed.moved(&placement.image(space, index)?))?;
+                let slot = local.slot.map(|index| normal_form.moved(&coincidence.image(space, index)?))?;
                 let symbol = space.symbol(graph, &slot);
                 if symbol != local.symbol {
                     images.insert(local.symbol, graph.symbol(symbol));
@@ -169,21 +169,21 @@ impl Calculus<'_> {
             value.extend(graph.substitute(&[slope], &images));
         }
         let product = graph.product(&value);
-        let mut numbers = numbers.iter().map(|index| placed.moved(index)).collect::<Option<Vec<_>>>()?;
+        let mut numbers = numbers.iter().map(|index| normal_form.moved(index)).collect::<Option<Vec<_>>>()?;
         if increments == Increments::Together {
             numbers.sort();
         }
-        groups.add(placed.loops, numbers, product, Rational::ONE);
+        groups.add(normal_form.loops, numbers, product, Rational::ONE);
         Some(())
     }
 }
 
 impl Space {
     /// The indices of the state that the factors read at a placement.
-    fn images(&self, placement: &Placement, factors: &[&Factor]) -> Option<Vec<Index>> {
+    fn images(&self, coincidence: &Coincidence, factors: &[&Factor]) -> Option<Vec<Index>> {
         let halves = [Half::Coordinates, Half::Momenta];
         let read = factors.iter().flat_map(|factor| halves.map(|half| factor.element.of_half(half)));
-        read.flatten().map(|(_, index)| placement.image(self, index)).collect()
+        read.flatten().map(|(_, index)| coincidence.image(self, index)).collect()
     }
 }
 
@@ -199,15 +199,15 @@ fn joined(one: &[Index], two: &[Index], increments: Increments) -> Vec<Index> {
 }
 
 /// Loops in canonical form.
-struct Placed {
+struct NormalForm {
     loops: Vec<Loop>,
     by: Vec<(u32, Index)>,
 }
 
-impl Placed {
+impl NormalForm {
     /// Moves every loop so that the first point that it reads is its variable, and numbers the variables by
     /// depth.
-    fn settle(&mut self, space: &Space, read: &[Index]) -> Option<()> {
+    fn normalise(&mut self, space: &Space, read: &[Index]) -> Option<()> {
         for at in 0..self.loops.len() {
             let own = self.loops[at].variable;
             let offsets = read.iter().map(|index| offset(index, own, space.components));

@@ -6,19 +6,19 @@ use std::fmt::Write;
 use super::locality::is_condition;
 use super::{Space, Sum};
 use crate::diagnostics::promised;
-use crate::model::display::{Names, letter_at};
+use crate::model::display::{IndexNames, letter_at};
 use crate::model::{Element, Index, Local, Loop, Slot};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 impl Space {
     /// The names of indices, with `i`, `j`, ... for the variables of `loops`, which sums made here number
     /// likewise.
-    fn reader<T>(&self, loops: &[Loop], read: impl FnOnce(&Names<'_>) -> T) -> T {
+    fn reader<T>(&self, loops: &[Loop], read: impl FnOnce(&IndexNames<'_>) -> T) -> T {
         let letter = |variable: u32| {
             let depth = loops.iter().position(|known| known.variable == variable);
             letter_at(depth.unwrap_or(variable.saturating_sub(self.first) as usize))
         };
-        read(&Names { tables: &self.tables, letter: &letter })
+        read(&IndexNames { tables: &self.tables, letter: &letter })
     }
 
     pub(crate) fn index(&self, loops: &[Loop], index: &Index) -> String {

@@ -11,7 +11,7 @@ use crate::symbolic::{Expr, Graph, Rational, Symbol};
 const MOST_NODES: usize = 20_000;
 
 /// The multiplier of a hash: an arbitrary table of integers has hashed indices as entries.
-const SPREAD: i128 = 2_654_435_761;
+const ENTRY_HASH: i128 = 2_654_435_761;
 
 /// Why a sum is not written out.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -23,13 +23,13 @@ pub(super) enum NotWritten {
 
 /// Whether numbers made of loop variables have their values or are arbitrary.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Numbers {
+pub(super) enum NumberValues {
     Known,
     Free,
 }
 
 #[derive(Clone, PartialEq, Eq, Hash)]
-enum Place {
+enum InstanceVariable {
     /// A slot with constant indices, of one of two states.
     Slot(Slot, bool),
     /// The increment of a noise, of one of two paths.
@@ -37,18 +37,18 @@ enum Place {
 }
 
 /// The symbols of a system of one size.
-pub(super) struct Site<'s> {
+pub(super) struct Instance<'s> {
     space: &'s Space,
     size: i128,
-    numbers: Numbers,
+    numbers: NumberValues,
     increments: Increments,
-    symbols: HashMap<Place, Symbol>,
+    symbols: HashMap<InstanceVariable, Symbol>,
 }
 
 type Values = Vec<(u32, i128)>;
 
-impl<'s> Site<'s> {
-    pub(super) fn new(space: &'s Space, size: i128, numbers: Numbers, increments: Increments) -> Self {
+impl<'s> Instance<'s> {
+    pub(super) fn new(space: &'s Space, size: i128, numbers: NumberValues, increments: Increments) -> Self {
         Self { space, size, numbers, increments, symbols: HashMap::new() }
     }
 
@@ -116,8 +116,8 @@ impl<'s> Site<'s> {
             numbers.sort_unstable();
         }
         for (position, number) in numbers.into_iter().enumerate() {
-            let symbol =
-                self.symbol(graph, Place::Increment(position, number), || format!("ΔW{}", number + 1));
+            let symbol = self
+                .symbol(graph, InstanceVariable::Increment(position, number), || format!("ΔW{}", number + 1));
             factors.push(graph.symbol(symbol));
         }
         Some(graph.product(&factors))
@@ -138,7 +138,7 @@ impl<'s> Site<'s> {
                     return None;
                 }
             }
-            Slot::Number(index) if self.numbers == Numbers::Known => {
+            Slot::Number(index) if self.numbers == NumberValues::Known => {
                 return Some(graph.number(Rational::new(index.constant, 1)?));
             }
             Slot::Number(_) => known = None,
@@ -148,11 +148,16 @@ impl<'s> Site<'s> {
             return Some(graph.symbol(known));
         }
         let name = self.space.slot_name(&slot);
-        let symbol = self.symbol(graph, Place::Slot(slot, is_other), || name);
+        let symbol = self.symbol(graph, InstanceVariable::Slot(slot, is_other), || name);
         Some(graph.symbol(symbol))
     }
 
-    fn symbol(&mut self, graph: &mut Graph, place: Place, name: impl FnOnce() -> String) -> Symbol {
+    fn symbol(
+        &mut self,
+        graph: &mut Graph,
+        place: InstanceVariable,
+        name: impl FnOnce() -> String,
+    ) -> Symbol {
         *self.symbols.entry(place).or_insert_with(|| graph.new_symbol(name()))
     }
 
@@ -164,7 +169,7 @@ impl<'s> Site<'s> {
             Atom::Given(table, indices) if !indices.is_empty() => {
                 let mut entry = i128::from(*table) + 1;
                 for index in indices {
-                    entry = (entry * SPREAD + self.integer(index, values)?) % (SPREAD - 1);
+                    entry = (entry * ENTRY_HASH + self.integer(index, values)?) % (ENTRY_HASH - 1);
                 }
                 entry.checked_rem_euclid(self.size)
             }

@@ -20,17 +20,17 @@
 use std::collections::HashMap;
 
 use super::{Space, Sum, Weighted};
-use crate::model::{Atom, Index, Loop, Operation, Slot};
+use crate::model::{Atom, Index, IndexOperation, Loop, Slot};
 
 /// Loops up to this length, if it is a literal, count as so many placements.
-const SHORT: i128 = 8;
+const LONGEST_LITERAL_LOOP: i128 = 8;
 
 impl Space {
     /// The first of two sizes that decide all larger ones; `None` if the sum is not of that kind.
     pub(super) fn deciding_size(&self, sum: &Sum) -> Option<i128> {
         let mut width = 1;
         for Weighted { element, increments } in sum {
-            let form = Form { space: self, loops: &element.loops };
+            let form = Locality { space: self, loops: &element.loops };
             let is_long = |known: &&Loop| form.length(known).is_none() && !is_condition(known);
             if element.loops.iter().filter(is_long).count() > 1 {
                 return None;
@@ -55,7 +55,7 @@ impl Space {
     /// than to 0 are counted from `n`.
     pub(super) fn generalised(&self, sum: &Sum, n: i128) -> Option<(Self, Sum)> {
         let lift_one = |weighted: &Weighted| {
-            weighted.moved(&|index| lifted(index, n, 1), &|index| lifted(index, n, self.components))
+            weighted.mapped(&|index| lifted(index, n, 1), &|index| lifted(index, n, self.components))
         };
         let sum = sum.iter().map(lift_one).collect::<Option<Sum>>()?;
         let size = Index::atom(Atom::Size);
@@ -69,9 +69,10 @@ fn lifted(index: &Index, n: i128, stride: i128) -> Option<Index> {
     let mut sum = Index::default();
     for (atom, coefficient) in &index.terms {
         let atom = match atom {
-            Atom::Of(operation @ (Operation::Remainder | Operation::Minimum | Operation::Maximum), both) => {
-                Index::of(*operation, lifted(&both.0, n, 1)?, lifted(&both.1, n, 1)?)
-            }
+            Atom::Of(
+                operation @ (IndexOperation::Remainder | IndexOperation::Minimum | IndexOperation::Maximum),
+                both,
+            ) => Index::of(*operation, lifted(&both.0, n, 1)?, lifted(&both.1, n, 1)?),
             other => Index::atom(other.clone()),
         };
         sum = sum.plus(&atom, *coefficient)?;
@@ -87,7 +88,7 @@ fn lifted(index: &Index, n: i128, stride: i128) -> Option<Index> {
 /// Whether a loop runs at most once, as a condition.
 pub(super) fn is_condition(known: &Loop) -> bool {
     let is_bounded_by_one = |end: &Index| match end.terms.as_slice() {
-        [(Atom::Of(Operation::Minimum, both), 1)] if end.constant == 0 => has_one(&both.0, &both.1),
+        [(Atom::Of(IndexOperation::Minimum, both), 1)] if end.constant == 0 => has_one(&both.0, &both.1),
         _ => false,
     };
     known.start == Index::default() && is_bounded_by_one(&known.end)
@@ -97,21 +98,21 @@ pub(super) fn is_condition(known: &Loop) -> bool {
 fn has_one(a: &Index, b: &Index) -> bool {
     [a, b].into_iter().any(|part| match part.terms.as_slice() {
         [] => part.constant == 1,
-        [(Atom::Of(Operation::Minimum, inner), 1)] if part.constant == 0 => has_one(&inner.0, &inner.1),
+        [(Atom::Of(IndexOperation::Minimum, inner), 1)] if part.constant == 0 => has_one(&inner.0, &inner.1),
         _ => false,
     })
 }
 
-struct Form<'s> {
+struct Locality<'s> {
     space: &'s Space,
     loops: &'s [Loop],
 }
 
-impl Form<'_> {
+impl Locality<'_> {
     /// The length of a loop that is a literal and short.
     fn length(&self, known: &Loop) -> Option<i128> {
         let (start, end) = (known.start.as_integer()?, known.end.as_integer()?);
-        let is_short = start >= 0 && end <= SHORT;
+        let is_short = start >= 0 && end <= LONGEST_LITERAL_LOOP;
         is_short.then_some(end)
     }
 
@@ -122,10 +123,10 @@ impl Form<'_> {
             [] => Some(index.constant.abs()),
             [(atom, 1 | -1)] if Some(atom) == own => Some(index.constant.abs()),
             // The remainder of an integer modulo a larger size.
-            [(Atom::Of(Operation::Remainder, both), 1 | -1)] if both.1 == self.space.size => {
+            [(Atom::Of(IndexOperation::Remainder, both), 1 | -1)] if both.1 == self.space.size => {
                 both.0.as_integer()?.checked_abs()?.checked_add(index.constant.abs())
             }
-            [(Atom::Of(Operation::Minimum | Operation::Maximum, both), 1)] => {
+            [(Atom::Of(IndexOperation::Minimum | IndexOperation::Maximum, both), 1)] => {
                 let inside = self.anchor(&both.0)?.max(self.anchor(&both.1)?);
                 inside.checked_add(index.constant.abs())
             }
@@ -149,7 +150,7 @@ impl Form<'_> {
             match (atom, short) {
                 (_, Some(length)) => inside = inside.checked_add(length.checked_mul(coefficient.abs())?)?,
                 (Atom::Loop(_), None) if *coefficient == stride => anchors += 1,
-                (Atom::Of(Operation::Remainder, both), None)
+                (Atom::Of(IndexOperation::Remainder, both), None)
                     if *coefficient == stride && both.1 == self.space.size =>
                 {
                     // Multiples of the size do not count.

@@ -32,7 +32,7 @@ use crate::symbolic::{Expr, Graph, Knowledge, Rational, Symbol};
 pub(crate) use contract::Increments;
 
 /// Loop variables of sums made here are numbered by depth.
-const DEEPEST: u32 = 1 << 10;
+const MOST_LOOPS: u32 = 1 << 10;
 
 /// An element, times the increments of its noises.
 #[derive(Clone)]
@@ -42,11 +42,11 @@ pub(crate) struct Weighted {
     pub(crate) increments: Vec<Index>,
 }
 
-type Moved<'m> = &'m dyn Fn(&Index) -> Option<Index>;
+type IndexMap<'m> = &'m dyn Fn(&Index) -> Option<Index>;
 
 impl Weighted {
     /// Maps every index; `None` on overflow. Indices into the state have a map of their own.
-    fn moved(&self, index: Moved<'_>, place: Moved<'_>) -> Option<Self> {
+    fn mapped(&self, index: IndexMap<'_>, place: IndexMap<'_>) -> Option<Self> {
         let Self { element: Element { loops, value, locals }, increments } = self;
         let range = |known: &Loop| {
             Some(Loop { start: index(&known.start)?, end: index(&known.end)?, ..known.clone() })
@@ -125,8 +125,8 @@ impl Space {
     }
 
     /// A number above every loop variable, from which the variables of a second element are numbered.
-    fn beyond(&self) -> u32 {
-        self.first + DEEPEST
+    fn first_free_variable(&self) -> u32 {
+        self.first + MOST_LOOPS
     }
 
     /// Whether `index >= 0` throughout the loops, for every size; `false` if that is not known.
@@ -168,7 +168,7 @@ pub(crate) struct Calculus<'c> {
 }
 
 /// A sum, unless an index exceeded the arithmetic of indices, and what is known of it.
-pub(crate) struct Judged {
+pub(crate) struct KnownSum {
     pub(crate) sum: Option<Sum>,
     pub(crate) known: Knowledge,
 }

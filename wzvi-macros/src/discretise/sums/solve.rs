@@ -19,11 +19,11 @@
 
 use super::{Space, variable};
 use crate::diagnostics::promised;
-use crate::model::{Atom, Index, Loop, Operation};
+use crate::model::{Atom, Index, IndexOperation, Loop};
 use crate::symbolic::rational::gcd;
 
 /// The loops of two elements with coinciding slots.
-pub(super) struct Placement {
+pub(super) struct Coincidence {
     /// Outer ones first.
     pub(super) loops: Vec<Loop>,
     /// The loop variables solved for.
@@ -49,7 +49,7 @@ struct Solver<'s> {
     next: u32,
 }
 
-impl Placement {
+impl Coincidence {
     /// An index of one of the elements at this placement.
     pub(super) fn image(&self, space: &Space, index: &Index) -> Option<Index> {
         let mut solved = self.solved.iter();
@@ -65,7 +65,7 @@ pub(super) fn solve(
     loops: Vec<Loop>,
     equations: Vec<Equation>,
     next: u32,
-) -> Option<Option<Placement>> {
+) -> Option<Option<Coincidence>> {
     let mut solver =
         Solver { space, loops, solved: Vec::new(), pending: equations, conditions: Vec::new(), next };
     while let Some(equation) = solver.pending.pop() {
@@ -81,7 +81,7 @@ pub(super) fn solve(
         }
     }
     let Solver { loops, solved, .. } = solver;
-    Some(Some(Placement { loops: in_order(loops), solved }))
+    Some(Some(Coincidence { loops: in_order(loops), solved }))
 }
 
 impl Solver<'_> {
@@ -214,7 +214,7 @@ impl Solver<'_> {
     fn unwrap_remainders(&mut self, equation: &Equation) -> Option<bool> {
         let difference = &equation.difference;
         let wrapped = difference.terms.iter().filter_map(|(atom, coefficient)| match atom {
-            Atom::Of(Operation::Remainder, both) => Some((&**both, *coefficient)),
+            Atom::Of(IndexOperation::Remainder, both) => Some((&**both, *coefficient)),
             _ => None,
         });
         let wrapped: Vec<(&(Index, Index), i128)> = wrapped.collect();
@@ -236,7 +236,7 @@ impl Solver<'_> {
             // (v + r) mod n = s
             [(wrapped, coefficient @ (1 | -1))] => {
                 let (inner, modulus) = (&wrapped.0, &wrapped.1);
-                let atom = Index::of(Operation::Remainder, inner.clone(), modulus.clone());
+                let atom = Index::of(IndexOperation::Remainder, inner.clone(), modulus.clone());
                 let rest = difference.plus(&atom, -coefficient)?;
                 let target = Index::default().plus(&rest, -coefficient)?;
                 if let Some(distance) =
@@ -312,10 +312,10 @@ impl Solver<'_> {
                 let rest = condition.plus(&variable(own.variable), -slope)?;
                 if slope == 1 {
                     let start = Index::default().subtract(&rest)?;
-                    self.loops[at].start = self.extreme(Operation::Maximum, &own.start, &start)?;
+                    self.loops[at].start = self.extreme(IndexOperation::Maximum, &own.start, &start)?;
                 } else {
                     let end = rest.shifted(1)?;
-                    self.loops[at].end = self.extreme(Operation::Minimum, &own.end, &end)?;
+                    self.loops[at].end = self.extreme(IndexOperation::Minimum, &own.end, &end)?;
                 }
             }
             _ => self.push_guard(Index::integer(1).minimum(&condition.shifted(1)?)),
@@ -324,13 +324,13 @@ impl Solver<'_> {
     }
 
     /// The maximum or minimum of two, simplified if it is known which is larger.
-    fn extreme(&self, operation: Operation, a: &Index, b: &Index) -> Option<Index> {
+    fn extreme(&self, operation: IndexOperation, a: &Index, b: &Index) -> Option<Index> {
         let difference = a.subtract(b)?;
         let is_first_larger = self.is_nonnegative(&difference);
         if !is_first_larger && !self.is_nonnegative(&Index::default().subtract(&difference)?) {
             return a.operate(operation, b);
         }
-        Some(if is_first_larger == (operation == Operation::Maximum) { a.clone() } else { b.clone() })
+        Some(if is_first_larger == (operation == IndexOperation::Maximum) { a.clone() } else { b.clone() })
     }
 }
 
@@ -363,12 +363,14 @@ pub(super) fn simplified(space: &Space, index: &Index, loops: &[Loop]) -> Option
     let mut sum = Index::integer(index.constant);
     for (atom, coefficient) in &index.terms {
         let part = match atom {
-            Atom::Of(Operation::Remainder, both) => {
+            Atom::Of(IndexOperation::Remainder, both) => {
                 let modulus = &both.1;
                 let mut inner = simplified(space, &both.0, loops)?;
                 let is_nonnegative = |index: &Index| space.is_nonnegative(index, loops);
                 let nested = inner.terms.iter().find_map(|(atom, coefficient)| match atom {
-                    Atom::Of(Operation::Remainder, nested) if nested.1 == *modulus && *coefficient == 1 => {
+                    Atom::Of(IndexOperation::Remainder, nested)
+                        if nested.1 == *modulus && *coefficient == 1 =>
+                    {
                         Some((atom.clone(), nested.0.clone()))
                     }
                     _ => None,

@@ -92,7 +92,7 @@ fn check(point: &str, least: usize, drift: &str, noise: &str, expected: &Expecte
             &n,
         );
         let (_, facts) = facts_of(&attribute);
-        let found = [&facts.half_defect.known, &facts.energy.is_kept, &facts.commuting];
+        let found = [&facts.noise_contraction.known, &facts.energy.is_kept, &facts.commuting];
         let wanted = [expected.consistent, expected.energy, expected.commuting];
         assert_eq!(found.map(verdict), wanted, "{attribute}: {found:?}");
         assert_eq!(facts.noise, expected.noise, "{attribute}");
@@ -170,10 +170,10 @@ fn neighbours_that_do_not_commute() {
         );
         let (_, facts) = facts_of(&attribute);
         assert_eq!(
-            verdict(&facts.half_defect.known),
+            verdict(&facts.noise_contraction.known),
             Is::Proven,
             "{attribute}: {:?}",
-            facts.half_defect.known
+            facts.noise_contraction.known
         );
         assert_eq!(verdict(&facts.commuting), Is::Refuted, "{attribute}");
     }
@@ -284,7 +284,12 @@ fn what_fails_at_a_small_size_only_is_refuted_where_the_size_is_free() {
             "self.sites" => Is::Unknown,
             _ => Is::Proven,
         };
-        assert_eq!(verdict(&facts.half_defect.known), wanted, "{attribute}: {:?}", facts.half_defect.known);
+        assert_eq!(
+            verdict(&facts.noise_contraction.known),
+            wanted,
+            "{attribute}: {:?}",
+            facts.noise_contraction.known
+        );
     }
 }
 
@@ -294,7 +299,7 @@ fn what_only_the_running_program_knows_is_unknown_or_refuted() {
     let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>(), \
         noise = [|q, p, k| q[bonds[k].0] * p[bonds[k].1]; self.bonds.len()], embedding = Midpoint";
     let (_, facts) = facts_of(attribute);
-    assert_ne!(verdict(&facts.half_defect.known), Is::Proven);
+    assert_ne!(verdict(&facts.noise_contraction.known), Is::Proven);
     assert_ne!(verdict(&facts.commuting), Is::Proven);
 }
 
@@ -360,6 +365,6 @@ fn the_defect_is_printed_in_indices() {
     let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>(), \
         noise = [|q, p, k| sigma * q[k] * p[k]; self.sites], embedding = Midpoint";
     let (mut graph, facts) = facts_of(attribute);
-    let defect = facts.defect(&mut graph, &facts.half_defect, Rational::ZERO);
+    let defect = facts.defect(&mut graph, &facts.noise_contraction, Rational::ZERO);
     assert_eq!(defect, "Σ_(i=0..sites - 1) [sigma² q[i] p[i]/2]");
 }

@@ -11,49 +11,49 @@
 
 use std::collections::HashMap;
 
-use super::instance::{NotWritten, Numbers, Site};
-use super::{Calculus, Increments, Judged, Sum, Weighted};
+use super::instance::{Instance, NotWritten, NumberValues};
+use super::{Calculus, Increments, KnownSum, Sum, Weighted};
 use crate::model::{Element, Half, Index, Local, Slot};
 use crate::symbolic::{Expr, Knowledge, Symbol, Witness, ZeroTest};
 
 /// The sizes searched for a witness: the first few that the indices allow.
-const TRIED: [i128; 6] = [3, 4, 5, 8, 16, 32];
-const ENOUGH: usize = 3;
+const WITNESS_SIZES: [i128; 6] = [3, 4, 5, 8, 16, 32];
+const MOST_CANCELLING_SIZES: usize = 3;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Question {
+enum Statement {
     Zero,
     Constant,
 }
 
 impl Calculus<'_> {
     /// Whether the sum is zero for all values of the increments.
-    pub(crate) fn vanishes(&mut self, sum: Option<Sum>, increments: Increments) -> Judged {
-        self.judged(sum, increments, Question::Zero)
+    pub(crate) fn vanishes(&mut self, sum: Option<Sum>, increments: Increments) -> KnownSum {
+        self.known_sum(sum, increments, Statement::Zero)
     }
 
     /// Whether the sum is independent of the state for all values of the increments.
-    pub(crate) fn is_constant(&mut self, sum: Option<Sum>, increments: Increments) -> Judged {
-        self.judged(sum, increments, Question::Constant)
+    pub(crate) fn is_constant(&mut self, sum: Option<Sum>, increments: Increments) -> KnownSum {
+        self.known_sum(sum, increments, Statement::Constant)
     }
 
-    fn judged(&mut self, sum: Option<Sum>, increments: Increments, question: Question) -> Judged {
+    fn known_sum(&mut self, sum: Option<Sum>, increments: Increments, statement: Statement) -> KnownSum {
         let known = match &sum {
-            Some(sum) => Judge { sums: self, increments, question }.decide(sum),
+            Some(sum) => Prover { sums: self, increments, statement }.decide(sum),
             None => Knowledge::Unknown("its indices exceed 128 bits".to_owned()),
         };
-        Judged { sum, known }
+        KnownSum { sum, known }
     }
 }
 
 /// One question about sums of one space.
-struct Judge<'j, 'c> {
+struct Prover<'j, 'c> {
     sums: &'j mut Calculus<'c>,
     increments: Increments,
-    question: Question,
+    statement: Statement,
 }
 
-impl Judge<'_, '_> {
+impl Prover<'_, '_> {
     fn decide(&mut self, sum: &Sum) -> Knowledge {
         let (mut left, mut verdicts) = (Sum::new(), Vec::new());
         for weighted in sum {
@@ -79,12 +79,12 @@ impl Judge<'_, '_> {
 
     /// Decides for one size.
     fn decide_at(&mut self, sum: &Sum, size: i128) -> Knowledge {
-        match self.instance(sum, size, Numbers::Known) {
+        match self.instance(sum, size, NumberValues::Known) {
             Ok(verdict) => return verdict.known(),
             Err(NotWritten::OutOfRange) => return Knowledge::Unknown("an index is out of range".to_owned()),
             Err(NotWritten::TooLarge) => {}
         }
-        if let Some(witness) = self.slope_that_does_not_vanish(sum, size, 2) {
+        if let Some(witness) = self.nonzero_derivative(sum, size, 2) {
             return Knowledge::Refuted(witness);
         }
         match self.holds_in_general(sum, size) {
@@ -98,26 +98,27 @@ impl Judge<'_, '_> {
         let (mut space, general) = self.sums.space.generalised(sum, size)?;
         let first = space.deciding_size(&general).filter(|&first| first < size)?;
         let mut sums = Calculus { space: &mut space, graph: self.sums.graph };
-        let mut judge = Judge { sums: &mut sums, increments: self.increments, question: self.question };
-        let mut holds = |size| matches!(judge.instance(&general, size, Numbers::Free), Ok(ZeroTest::Zero));
+        let mut judge = Prover { sums: &mut sums, increments: self.increments, statement: self.statement };
+        let mut holds =
+            |size| matches!(judge.instance(&general, size, NumberValues::Free), Ok(ZeroTest::Zero));
         Some(holds(first) && holds(first + 1))
     }
 
     /// Decides for all sizes.
     fn decide_for_all(&mut self, sum: &Sum) -> Knowledge {
         let mut tried: Vec<String> = Vec::new();
-        for size in TRIED {
-            match self.instance(sum, size, Numbers::Known) {
+        for size in WITNESS_SIZES {
+            match self.instance(sum, size, NumberValues::Known) {
                 Ok(ZeroTest::Zero) => tried.push(size.to_string()),
                 Ok(verdict) => return verdict.known(),
                 Err(NotWritten::OutOfRange) => {}
                 Err(NotWritten::TooLarge) => break,
             }
-            if tried.len() == ENOUGH {
+            if tried.len() == MOST_CANCELLING_SIZES {
                 break;
             }
         }
-        if !tried.is_empty() && sum.iter().all(is_the_same_at_all_sizes) {
+        if !tried.is_empty() && sum.iter().all(is_size_independent) {
             return Knowledge::Proven;
         }
         self.decide_by_few(sum).unwrap_or_else(|| {
@@ -132,13 +133,13 @@ impl Judge<'_, '_> {
     fn decide_by_few(&mut self, sum: &Sum) -> Option<Knowledge> {
         let first = self.sums.space.deciding_size(sum)?;
         for size in 1..=first + 1 {
-            match self.instance(sum, size, Numbers::Free) {
+            match self.instance(sum, size, NumberValues::Free) {
                 Ok(ZeroTest::Zero) => {}
                 Err(NotWritten::OutOfRange) if size < first => {}
                 // A ring of few points overlaps itself: a counterexample with free numbers counts only if
                 // known numbers confirm it.
                 Ok(ZeroTest::Nonzero(_)) => {
-                    let verdict = self.instance(sum, size, Numbers::Known).ok()?;
+                    let verdict = self.instance(sum, size, NumberValues::Known).ok()?;
                     return matches!(verdict, ZeroTest::Nonzero(_)).then(|| verdict.known());
                 }
                 _ => return None,
@@ -148,8 +149,8 @@ impl Judge<'_, '_> {
     }
 
     /// A slope of the sum, after `depth` derivatives, that is not zero.
-    fn slope_that_does_not_vanish(&mut self, sum: &Sum, size: i128, depth: usize) -> Option<Witness> {
-        let question = std::mem::replace(&mut self.question, Question::Zero);
+    fn nonzero_derivative(&mut self, sum: &Sum, size: i128, depth: usize) -> Option<Witness> {
+        let statement = std::mem::replace(&mut self.statement, Statement::Zero);
         let components = self.sums.space.components;
         let places = [0, 1, size / 2, size - 1].into_iter().flat_map(|point| {
             let component = (0..components.min(3)).map(move |component| point * components + component);
@@ -158,18 +159,16 @@ impl Judge<'_, '_> {
         let mut found = None;
         for (half, place) in places {
             let Some(slope) = self.slope(sum, half, Index::integer(place)) else { break };
-            found = match self.instance(&slope, size, Numbers::Known) {
+            found = match self.instance(&slope, size, NumberValues::Known) {
                 Ok(ZeroTest::Nonzero(witness)) => Some(witness),
-                Err(NotWritten::TooLarge) if depth > 1 => {
-                    self.slope_that_does_not_vanish(&slope, size, depth - 1)
-                }
+                Err(NotWritten::TooLarge) if depth > 1 => self.nonzero_derivative(&slope, size, depth - 1),
                 _ => None,
             };
             if found.is_some() {
                 break;
             }
         }
-        self.question = question;
+        self.statement = statement;
         found
     }
 
@@ -183,12 +182,12 @@ impl Judge<'_, '_> {
         self.sums.contract((sum, half), (&unit, half), Increments::Each)
     }
 
-    fn instance(&mut self, sum: &Sum, size: i128, numbers: Numbers) -> Result<ZeroTest, NotWritten> {
+    fn instance(&mut self, sum: &Sum, size: i128, numbers: NumberValues) -> Result<ZeroTest, NotWritten> {
         let Calculus { space, graph } = &mut *self.sums;
-        let mut site = Site::new(space, size, numbers, self.increments);
-        let mut value = site.value(graph, sum, false)?;
-        if self.question == Question::Constant {
-            let other = site.value(graph, sum, true)?;
+        let mut instance = Instance::new(space, size, numbers, self.increments);
+        let mut value = instance.value(graph, sum, false)?;
+        if self.statement == Statement::Constant {
+            let other = instance.value(graph, sum, true)?;
             value = graph.subtract(value, other);
         }
         Ok(graph.test_zero(value))
@@ -196,7 +195,7 @@ impl Judge<'_, '_> {
 
     fn test_element(&mut self, element: &Element) -> ZeroTest {
         let (graph, mut value) = (&mut *self.sums.graph, element.value);
-        if self.question == Question::Constant {
+        if self.statement == Statement::Constant {
             let other = element.state().into_iter().map(|symbol| {
                 let other = graph.new_symbol(format!("{}'", graph.symbol_name(symbol)));
                 (symbol, graph.symbol(other))
@@ -210,7 +209,7 @@ impl Judge<'_, '_> {
 }
 
 /// Whether no index of an element reads a size or a table.
-fn is_the_same_at_all_sizes(weighted: &Weighted) -> bool {
+fn is_size_independent(weighted: &Weighted) -> bool {
     let Weighted { element, increments } = weighted;
     let of_loops = element.loops.iter().flat_map(|known| [&known.start, &known.end]);
     let of_slots = element.locals.iter().flat_map(|local| local.slot.indices());

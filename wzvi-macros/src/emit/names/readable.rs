@@ -77,17 +77,17 @@ fn listen(tokens: TokenStream, heard: &mut HashSet<String>, is_wanted: &dyn Fn(&
 }
 
 /// A part of the code; words that may be renamed are known by their number.
-enum Node {
+enum MarkedTree {
     /// A marked word.
     Word(usize, Ident),
     /// A path to a type, with its full form after [`ROOT`].
     Path(usize, Ident, Vec<TokenTree>),
-    Group(Group, Vec<Node>),
+    Group(Group, Vec<MarkedTree>),
     Other(TokenTree),
 }
 
 /// A marked word.
-struct Word {
+struct MarkedWord {
     text: String,
     /// Whether patterns bind it.
     is_bound: bool,
@@ -101,38 +101,38 @@ struct Survey {
     /// The user's words, and the const generics of the struct among them.
     of_user: HashSet<String>,
     generic_numbers: HashSet<String>,
-    words: Distinct<String, Word>,
+    words: Distinct<String, MarkedWord>,
     paths: Distinct<String, Vec<String>>,
 }
 
 impl Survey {
-    fn read(&mut self, tokens: TokenStream) -> Vec<Node> {
+    fn read(&mut self, tokens: TokenStream) -> Vec<MarkedTree> {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
         let mut code = Vec::with_capacity(tokens.len());
         let mut i = 0;
         while let Some(token) = tokens.get(i) {
             let mut next = i + 1;
             code.push(match token {
-                TokenTree::Group(group) => Node::Group(group.clone(), self.read(group.stream())),
+                TokenTree::Group(group) => MarkedTree::Group(group.clone(), self.read(group.stream())),
                 TokenTree::Ident(ident) => {
                     let word = ident.to_string();
                     if !word.starts_with(MARK) || is_field(&tokens, i) || self.of_user.contains(&word) {
                         let is_argument = self.generic_numbers.contains(&word) && is_argument(&tokens, i);
-                        braced(Node::Other(token.clone()), is_argument)
+                        braced(MarkedTree::Other(token.clone()), is_argument)
                     } else if word == ROOT
                         && let Some((path, end)) = path_to_type(&tokens, i)
                     {
                         next = end;
                         let number = self.paths.place(path.concat(), || path);
-                        Node::Path(number, ident.clone(), tokens[i + 1..end].to_vec())
+                        MarkedTree::Path(number, ident.clone(), tokens[i + 1..end].to_vec())
                     } else {
                         let number = self.word(word, &tokens, i);
                         let is_argument =
                             self.words.values[number].is_generic_number && is_argument(&tokens, i);
-                        braced(Node::Word(number, ident.clone()), is_argument)
+                        braced(MarkedTree::Word(number, ident.clone()), is_argument)
                     }
                 }
-                other => Node::Other(other.clone()),
+                other => MarkedTree::Other(other.clone()),
             });
             i = next;
         }
@@ -146,7 +146,7 @@ impl Survey {
         let is_generic = is_declared && [',', '<'].iter().any(|&c| is(before(tokens, i, 2), c));
         let is_capital = plain(&word).starts_with(char::is_uppercase) && !is_of_formula(&word);
         let is_item = is_declared || is_capital || word == ROOT;
-        let made = || Word { text: word.clone(), is_bound: true, is_generic_number: false };
+        let made = || MarkedWord { text: word.clone(), is_bound: true, is_generic_number: false };
         let number = self.words.place(word.clone(), made);
         let known = &mut self.words.values[number];
         known.is_bound &= !is_item;
@@ -169,7 +169,7 @@ impl Survey {
         let is_imported = paths.iter().map(is_new).collect();
         let mut bound = Vec::new();
         for is_of_formula in [true, false] {
-            let own = |word: &Word| word.is_bound && self::is_of_formula(&word.text) == is_of_formula;
+            let own = |word: &MarkedWord| word.is_bound && self::is_of_formula(&word.text) == is_of_formula;
             for (name, word) in names.iter_mut().zip(&words).filter(|(_, word)| own(word)) {
                 *name = free(&word.text, &mut taken);
                 bound.push(name.clone());
@@ -228,12 +228,12 @@ impl Decided {
         modules.into_iter().map(import).collect()
     }
 
-    fn written(&self, code: Vec<Node>, is_braced: bool) -> TokenStream {
+    fn written(&self, code: Vec<MarkedTree>, is_braced: bool) -> TokenStream {
         let mut written: Vec<TokenTree> = Vec::with_capacity(code.len());
         for node in code {
             match node {
-                Node::Word(number, ident) => written.push(named(&self.names[number], &ident)),
-                Node::Path(number, ident, rest) => match self.paths[number].last() {
+                MarkedTree::Word(number, ident) => written.push(named(&self.names[number], &ident)),
+                MarkedTree::Path(number, ident, rest) => match self.paths[number].last() {
                     Some(last) if self.is_imported[number] => written.push(named(last, &ident)),
                     _ => {
                         let mut root = self.root.clone();
@@ -242,11 +242,11 @@ impl Decided {
                         written.extend(rest);
                     }
                 },
-                Node::Group(group, inner) => {
+                MarkedTree::Group(group, inner) => {
                     let inner = self.written(inner, group.delimiter() == Delimiter::Brace);
                     written.push(regrouped(&group, inner));
                 }
-                Node::Other(token) => {
+                MarkedTree::Other(token) => {
                     if is_braced && is(Some(&token), ',') {
                         shorten_field(&mut written);
                     }
@@ -294,9 +294,9 @@ fn ends_path(tokens: &[TokenTree], i: usize) -> bool {
     is(before(tokens, i, 1), ':') && is(before(tokens, i, 2), ':')
 }
 
-fn braced(node: Node, is_braced: bool) -> Node {
+fn braced(node: MarkedTree, is_braced: bool) -> MarkedTree {
     match is_braced {
-        true => Node::Group(Group::new(Delimiter::Brace, TokenStream::new()), vec![node]),
+        true => MarkedTree::Group(Group::new(Delimiter::Brace, TokenStream::new()), vec![node]),
         false => node,
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn memory_type(sizes: &[usize]) -> TokenStream {
 }
 
 /// The part of block `index` of `count` blocks.
-pub(super) fn part(index: usize, blocks: usize) -> TokenStream {
+pub(super) fn memory_of(index: usize, blocks: usize) -> TokenStream {
     let place = if blocks == 1 { TokenStream::new() } else { place_in_tuple(index, blocks) };
     quote!(__memory #place)
 }

@@ -1,12 +1,12 @@
-//! The values computed once for all steps, and the code that computes them.
+//! The values computed once for all steps, and the code that computes them. Tests: `tests/steps/errors.rs`.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::flow::{Flow, Method};
 use super::memory::tuple;
+use super::step_program::{Method, StepProgram};
 use crate::emit::Printer;
-use crate::emit::names::Names;
+use crate::emit::names::Namer;
 use crate::emit::program::Op;
 use crate::emit::system::{count, parameter_names};
 use crate::model::Parameter;
@@ -25,23 +25,30 @@ pub(super) struct Prepared {
 
 impl Prepared {
     /// Names the parts as in the step.
-    pub(super) fn new(flow: &Flow, graph: &Graph, parameters: &[Parameter], names: &mut Names) -> Self {
-        let is_truth = |&op: &Op| flow.program.operation(op).is_truth();
-        let (truths, constants): (Vec<Op>, Vec<Op>) = flow.constants().into_iter().partition(is_truth);
+    pub(super) fn new(
+        step_program: &StepProgram,
+        graph: &Graph,
+        parameters: &[Parameter],
+        names: &mut Namer,
+    ) -> Self {
+        let is_truth = |&op: &Op| step_program.program.operation(op).is_truth();
+        let (truths, constants): (Vec<Op>, Vec<Op>) =
+            step_program.constants().into_iter().partition(is_truth);
         let read_by_step: Vec<Op> = constants.iter().chain(&truths).copied().collect();
-        let used = flow.program.uses(&flow.prepared_roots(&read_by_step));
+        let used = step_program.program.uses(&step_program.prepared_roots(&read_by_step));
 
-        let mut own = Names::default();
+        let mut own = Namer::default();
         let own_names = parameter_names(&mut own, graph, parameters);
-        let inverted = flow.solves.iter().filter(|solve| solve.method == Method::Inverted);
+        let inverted = step_program.solves.iter().filter(|solve| solve.method == Method::Inverted);
         let inverses = inverted.map(|solve| solve.unknowns[0]);
-        let varied: Vec<Op> = flow.parameters.iter().copied().chain([flow.h]).chain(inverses).collect();
+        let varied: Vec<Op> =
+            step_program.parameters.iter().copied().chain([step_program.h]).chain(inverses).collect();
         let constant = quote!(__K);
-        let mut printer =
-            Printer::new(&flow.program, constant.clone(), &flow.hints, own).with_constants(&varied, constant);
-        printer.set(flow.h, format_ident!("__h"));
+        let mut printer = Printer::new(&step_program.program, constant.clone(), &step_program.hints, own)
+            .with_constants(&varied, constant);
+        printer.set(step_program.h, format_ident!("__h"));
         let mut statements = TokenStream::new();
-        let parameters = flow.parameters.iter().zip(parameters).zip(own_names).enumerate();
+        let parameters = step_program.parameters.iter().zip(parameters).zip(own_names).enumerate();
         let read: Vec<_> = parameters.filter(|(_, ((op, _), _))| used[**op] > 0).collect();
         for (number, ((op, Parameter { tokens, .. }), name)) in &read {
             let number = count(*number);
@@ -57,7 +64,7 @@ impl Prepared {
             });
         }
         let mut factors = Vec::new();
-        for solve in flow.solves.iter().filter(|solve| solve.is_prepared()) {
+        for solve in step_program.solves.iter().filter(|solve| solve.is_prepared()) {
             statements.extend(printer.bind(&solve.entries(), &used, &|_| false));
             let (name, made) = if solve.method == Method::Inverted {
                 let value = printer.constant_value(solve.matrix[0][0]);
@@ -81,7 +88,7 @@ impl Prepared {
         let (constants, truths) = (named(constants), named(truths));
         let mut prepared = Self { constants, truths, factors, method: TokenStream::new() };
         let made = prepared.factors.iter().map(|(_, name)| quote!(#name));
-        let value = prepared.parts(numbers, flags, made.collect());
+        let value = prepared.tuple_of(numbers, flags, made.collect());
         prepared.method = quote! {
             fn prepare<__K: __wzvi::Constant>(
                 &self,
@@ -103,7 +110,7 @@ impl Prepared {
             quote!(__wzvi::Factored<#size>)
         });
         let (numbers, flags) = (quote!(__wzvi::Reals<#constants>), quote!(__wzvi::Truths<#truths>));
-        self.parts(numbers, flags, factors.collect())
+        self.tuple_of(numbers, flags, factors.collect())
     }
 
     /// `let` for all parts: numbers by value, factors by reference.
@@ -113,16 +120,16 @@ impl Prepared {
             quote!([#(#names),*])
         });
         let factors: Vec<TokenStream> = self.factors.iter().map(|(_, name)| quote!(ref #name)).collect();
-        let pattern = self.parts(numbers, flags, factors);
+        let pattern = self.tuple_of(numbers, flags, factors);
         match self.constants.is_empty() && self.truths.is_empty() && self.factors.is_empty() {
             true => TokenStream::new(),
             false => quote!(let #pattern = *__prepared;),
         }
     }
 
-    /// The prepared data as a type, value or pattern: an array of numbers, or, if there are others, a tuple of
-    /// numbers, truths and factors.
-    fn parts(&self, numbers: TokenStream, flags: TokenStream, factors: Vec<TokenStream>) -> TokenStream {
+    /// The prepared data as a type, value or pattern: an array of numbers, or, if there are others, a tuple
+    /// of numbers, truths and factors.
+    fn tuple_of(&self, numbers: TokenStream, flags: TokenStream, factors: Vec<TokenStream>) -> TokenStream {
         if self.truths.is_empty() && factors.is_empty() {
             return numbers;
         }

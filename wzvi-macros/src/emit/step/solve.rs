@@ -1,43 +1,44 @@
-//! The statements of a step, block by block, as a function of numbers: `__solve`.
+//! The statements of a step, block by block, as a function of numbers: `__solve`. Tests:
+//! `tests/steps/reference.rs`.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::flow::{Flow, Method, Solve};
-use super::given::Given;
-use super::memory::part;
+use super::block_inputs::BlockInputs;
+use super::memory::memory_of;
 use super::prepare::{Prepared, rows};
+use super::step_program::{Method, Solve, StepProgram};
 use crate::emit::Printer;
-use crate::emit::names::Names;
+use crate::emit::names::Namer;
 use crate::emit::program::Op;
 use crate::emit::system::count;
 
-/// The equations of the Newton blocks, and the method that solves all blocks, with arguments by the names of `q`, `p` and the
-/// increments.
+/// The equations of the Newton blocks, and the method that solves all blocks, with arguments by the names of
+/// `q`, `p` and the increments.
 pub(super) fn solution(
-    flow: &Flow,
+    step_program: &StepProgram,
     prepared: &Prepared,
     [q, p, dw]: [Vec<Ident>; 3],
-    names: Names,
+    names: Namer,
 ) -> [TokenStream; 2] {
     let made = prepared.constants.iter().chain(&prepared.truths).map(|(op, _)| *op);
-    let constants: Vec<Op> = made.chain([flow.h, flow.t]).collect();
-    let mut printer =
-        Printer::new(&flow.program, quote!(__S), &flow.hints, names).with_constants(&constants, quote!(__K));
-    printer.set(flow.h, format_ident!("__h"));
-    printer.set(flow.t, format_ident!("__t"));
-    for (&op, name) in flow.nodes.iter().chain(&flow.dw).zip(q.iter().chain(&p).chain(&dw)) {
+    let constants: Vec<Op> = made.chain([step_program.h, step_program.t]).collect();
+    let mut printer = Printer::new(&step_program.program, quote!(__S), &step_program.hints, names)
+        .with_constants(&constants, quote!(__K));
+    printer.set(step_program.h, format_ident!("__h"));
+    printer.set(step_program.t, format_ident!("__t"));
+    for (&op, name) in step_program.nodes.iter().chain(&step_program.dw).zip(q.iter().chain(&p).chain(&dw)) {
         printer.set(op, name.clone());
     }
     for (op, name) in prepared.constants.iter().chain(&prepared.truths) {
         printer.set(*op, name.clone());
     }
-    let uses = flow.program.uses(&flow.roots());
+    let uses = step_program.program.uses(&step_program.roots());
     let factors: Vec<Ident> = prepared.factors.iter().map(|(_, name)| name.clone()).collect();
     let (efforts, records, functions) = (Vec::new(), Vec::new(), TokenStream::new());
     let mut body =
-        SolveBody { flow, uses, printer, factors: factors.into_iter(), efforts, records, functions };
-    let mut statements: TokenStream = flow.solves.iter().map(|solve| body.solved(solve)).collect();
+        SolveBody { step_program, uses, printer, factors: factors.into_iter(), efforts, records, functions };
+    let mut statements: TokenStream = step_program.solves.iter().map(|solve| body.solved(solve)).collect();
     statements.extend(body.finish());
     let state = match dw.is_empty() {
         true => quote!(let ([#(#q),*], [#(#p),*]) = (__coordinates, __momenta);),
@@ -71,7 +72,7 @@ pub(super) fn solution(
 }
 
 struct SolveBody<'f> {
-    flow: &'f Flow,
+    step_program: &'f StepProgram,
     uses: Vec<u32>,
     printer: Printer<'f>,
     /// The names of the constant matrices, in order.
@@ -110,7 +111,8 @@ impl SolveBody<'_> {
         }
     }
 
-    /// The statements of a block without iteration, given the formula of its unknowns from matrix and right side.
+    /// The statements of a block without iteration, given the formula of its unknowns from matrix and right
+    /// side.
     fn linear(
         &mut self,
         solve: &Solve,
@@ -126,8 +128,8 @@ impl SolveBody<'_> {
 
     /// `let` statements for shared values, and for those that formulas name, `P`, `Q_l`, `Δq` and `δp`.
     fn bind(&mut self, roots: &[Op]) -> TokenStream {
-        let flow = self.flow;
-        self.printer.bind(roots, &self.uses, &|op| flow.hints.contains_key(&op))
+        let step_program = self.step_program;
+        self.printer.bind(roots, &self.uses, &|op| step_program.hints.contains_key(&op))
     }
 
     fn values(&self, ops: &[Op]) -> Vec<TokenStream> {
@@ -140,43 +142,43 @@ impl SolveBody<'_> {
 
     /// Values that do not read the iterates are computed once, before the iteration.
     fn newton(&mut self, solve: &Solve, symmetric: bool) -> TokenStream {
-        let (program, roots) = (&self.flow.program, solve.read());
+        let (program, roots) = (&self.step_program.program, solve.read());
         let readers = program.readers_of(&solve.unknowns);
         let mut outer = program.frontier(&roots, &|op| !readers[op]);
         outer.retain(|&op| !program.operation(op).is_trivial());
         let statements = self.printer.bind(&outer, &self.uses, &|op| outer.contains(&op));
 
         let names = self.names(&solve.unknowns);
-        let given = Given::new(program, &self.printer, &roots, &solve.unknowns);
-        let equations = self.equations(&given, &names, solve);
-        // Without noise the last steps are extrapolated. With noise the increments dominate, and zero is as good a
-        // start, except when a solution is followed along its step.
-        let used = if self.flow.is_deterministic { quote!(true) } else { quote!(__CAREFUL) };
-        let memory = part(self.records.len(), self.flow.newton_sizes().len());
+        let inputs = BlockInputs::new(program, &self.printer, &roots, &solve.unknowns);
+        let equations = self.equations(&inputs, &names, solve);
+        // Without noise the last steps are extrapolated. With noise the increments dominate, and zero is as
+        // good a start, except when a solution is followed along its step.
+        let used = if self.step_program.is_deterministic { quote!(true) } else { quote!(__CAREFUL) };
+        let memory = memory_of(self.records.len(), self.step_program.newton_sizes().len());
         self.records.push(quote!(#memory.record_where::<#used>(__taken, [#(#names),*]);));
-        let (given, effort) = (given.tokens(), self.printer.other("effort"));
+        let (inputs, effort) = (inputs.tokens(), self.printer.other("effort"));
         self.efforts.push(quote!(#effort));
         quote! {
             #statements
             use __wzvi::Block as _;
             let mut __unknowns = #memory.guess::<#used>();
             let #effort =
-                #equations::newton::<__S, __K, #symmetric, #used, __CAREFUL>(#given, &mut __unknowns)?;
+                #equations::newton::<__S, __K, #symmetric, #used, __CAREFUL>(#inputs, &mut __unknowns)?;
             let [#(#names),*] = __unknowns;
         }
     }
 
     /// Adds the equations of a block; returns the type that has them.
-    fn equations(&mut self, given: &Given, names: &[Ident], solve: &Solve) -> Ident {
+    fn equations(&mut self, inputs: &BlockInputs, names: &[Ident], solve: &Solve) -> Ident {
         let (mut inner, roots) = (self.printer.clone(), solve.read());
-        let shared = inner.bind(&roots, &self.flow.program.uses(&roots), &|_| false);
+        let shared = inner.bind(&roots, &self.step_program.program.uses(&roots), &|_| false);
         let values: Vec<TokenStream> = solve.rhs.iter().map(|&op| inner.scalar_value(op)).collect();
         let rows = rows(&solve.matrix, |entry| inner.scalar_value(entry));
-        let name = match self.flow.newton_sizes().len() {
+        let name = match self.step_program.newton_sizes().len() {
             1 => format_ident!("__Equations"),
             _ => format_ident!("__Equations{}", self.records.len()),
         };
-        let (n, lengths, given) = (count(names.len()), given.lengths(), given.tokens());
+        let (n, lengths, inputs) = (count(names.len()), inputs.lengths(), inputs.tokens());
         self.functions.extend(quote! {
             /// The equations of a block, and their Jacobian by rows.
             struct #name;
@@ -184,7 +186,7 @@ impl SolveBody<'_> {
             impl __wzvi::Block<#(#lengths),*, #n> for #name {
                 #[cfg_attr(not(debug_assertions), inline(always))]
                 fn equations<__S: __wzvi::Over<__K>, __K: __wzvi::Constant>(
-                    #given: __wzvi::Inputs<__S, __K, #(#lengths),*>,
+                    #inputs: __wzvi::Inputs<__S, __K, #(#lengths),*>,
                     [#(#names),*]: [__S; #n],
                 ) -> ([__S; #n], [[__S; #n]; #n]) {
                     #shared
@@ -196,12 +198,12 @@ impl SolveBody<'_> {
     }
 
     fn finish(&mut self) -> TokenStream {
-        let flow = self.flow;
-        let statements = self.bind(&flow.changes);
-        let (nodes, changes) = (self.values(&flow.nodes), self.values(&flow.changes));
+        let step_program = self.step_program;
+        let statements = self.bind(&step_program.changes);
+        let (nodes, changes) = (self.values(&step_program.nodes), self.values(&step_program.changes));
         let (q, p) = nodes.split_at(nodes.len() / 2);
         let (dq, dp) = changes.split_at(changes.len() / 2);
-        let isolated = self.values(&flow.isolated);
+        let isolated = self.values(&step_program.isolated);
         let isolated =
             isolated.iter().map(|inverse| quote!(__wzvi::Effort::isolated::<__S, __CAREFUL>(#inverse)));
         let mut efforts: Vec<TokenStream> = self.efforts.iter().cloned().chain(isolated).collect();

@@ -9,24 +9,24 @@
 //!
 //! Tests: `tests/loops/one_by_one.rs`, `tests/loops/tables.rs`.
 
-mod beside;
-mod motion;
-mod nest;
+mod access;
+mod chunk_loop;
+mod gather;
 mod rows;
 mod stores;
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use motion::Motion;
-use nest::{Nest, Places};
+use access::Access;
+use chunk_loop::{ChunkLoop, WrittenRange};
 
-pub(super) use beside::{gathers, lists};
-pub(super) use motion::Pass;
+pub(super) use access::InnerLoop;
+pub(super) use gather::{gathers, open_lists};
 
 pub(super) use rows::partners;
 
-use super::Wanted;
+use super::Derivative;
 use super::kernel::{Arithmetic, Target, written};
 use crate::diagnostics::promised;
 use crate::emit::count;
@@ -40,7 +40,7 @@ use crate::tokens::mentions;
 pub(super) struct Chunk<'a> {
     pub(super) indices: Indices<'a>,
     pub(super) element: &'a Element,
-    pub(super) pass: Pass,
+    pub(super) inner: InnerLoop,
     /// The start and the end of the innermost loop, if there is one.
     pub(super) range: Option<[TokenStream; 2]>,
     /// The start of the loop, unless it depends on the active noises.
@@ -51,15 +51,15 @@ pub(super) struct Chunk<'a> {
     pub(super) weight: &'a TokenStream,
     /// Whether the loop is restricted to wanted places.
     pub(super) has_windows: bool,
-    pub(super) wanted: Wanted,
+    pub(super) derivative: Derivative,
     /// The lists that [`lists`] found, if placements that are not adjacent in the state are evaluated in
     /// lanes.
-    pub(super) beside: Option<&'a [OpenList]>,
+    pub(super) gathered: Option<&'a [OpenList]>,
 }
 
 /// The loop during assembly.
 #[derive(Default)]
-struct Code {
+struct LoopCode {
     /// Before the outermost loop.
     buffers: TokenStream,
     /// Before all chunks.
@@ -70,9 +70,9 @@ struct Code {
     ordering: TokenStream,
     /// Indices whose limit has been emitted.
     limited: Vec<Index>,
-    /// The beginnings of the stretches of the loop, named `__first` and a number: of the piece, then of the
-    /// chunk.
-    firsts: Vec<Stretch>,
+    /// The first places of the ranges of lists in the loop, named `__first` and a number: for the piece, then
+    /// for the chunk.
+    firsts: Vec<ListRange>,
     /// Slices of this chunk.
     opening: TokenStream,
     reads: TokenStream,
@@ -93,8 +93,8 @@ struct Code {
     values: Vec<TokenStream>,
 }
 
-/// A stretch of a list, from the place `index` on.
-struct Stretch {
+/// A range of a list, from the place `index` on.
+struct ListRange {
     index: Index,
     stride: i128,
     name: Ident,
@@ -102,29 +102,29 @@ struct Stretch {
 
 /// A loop, with the code before and after the outermost loop around it.
 #[derive(Default)]
-pub(super) struct Emitted {
+pub(super) struct EmittedLoop {
     pub(super) buffers: TokenStream,
     pub(super) body: TokenStream,
     pub(super) after: TokenStream,
 }
 
 impl Chunk<'_> {
-    pub(super) fn emit(&self) -> Emitted {
+    pub(super) fn emit(&self) -> EmittedLoop {
         let Some([start, end]) = &self.range else {
-            return Emitted { body: self.single(), ..Emitted::default() };
+            return EmittedLoop { body: self.single(), ..EmittedLoop::default() };
         };
-        let (name, Arithmetic { inside, values, .. }) = (variable(self.pass.variable), self.arithmetic);
-        let mut code = Code::default();
+        let (name, Arithmetic { inside, values, .. }) = (variable(self.inner.variable), self.arithmetic);
+        let mut code = LoopCode::default();
         for (k, local) in self.read_locals() {
             self.open(&mut code, k, local);
         }
-        let block = self.beside.map(|lists| self.beside(lists));
+        let block = self.gathered.map(|lists| self.gather(lists));
         code.values.clone_from(block.as_ref().map_or(values, |block| &block.values));
         self.store(&mut code);
         let place_in = |body: &TokenStream| {
             mentions(body, &name.to_string()).then(|| quote!(let #name = #name + __place as __wzvi::isize;))
         };
-        let Code { reads, stores, opening, closing, .. } = &code;
+        let LoopCode { reads, stores, opening, closing, .. } = &code;
         let each = match &block {
             Some(block) => block.over_chunk(&place_in, reads, stores),
             None => {
@@ -150,19 +150,19 @@ impl Chunk<'_> {
         };
         let buffers = &code.buffers;
         let buffers = quote!(#items #buffers);
-        let (places, sums) = (self.places(), written(self.outputs));
-        let nest = Nest { indices: self.indices, name, start, end, code: &code, chunk, places, sums };
-        Emitted { buffers, body: nest.emit(), ..Emitted::default() }
+        let (places, sums) = (self.written_range(), written(self.outputs));
+        let nest = ChunkLoop { indices: self.indices, name, start, end, code: &code, chunk, places, sums };
+        EmittedLoop { buffers, body: nest.emit(), ..EmittedLoop::default() }
     }
 
-    fn places(&self) -> Option<Places> {
-        if self.wanted != Wanted::Slopes {
+    fn written_range(&self) -> Option<WrittenRange> {
+        if self.derivative != Derivative::Gradient {
             return None;
         }
         let (mut strides, mut bases): (Vec<i128>, Vec<Index>) = (Vec::new(), Vec::new());
         for (_, target) in self.outputs {
-            let Target::Slope { index, .. } = target else { return None };
-            let (stride, base) = self.pass.stretch(index)?;
+            let Target::Gradient { index, .. } = target else { return None };
+            let (stride, base) = self.inner.range(index)?;
             if !bases.contains(&base) {
                 bases.push(base);
             }
@@ -179,8 +179,8 @@ impl Chunk<'_> {
         let is_safe = bases.iter().all(Index::is_affine);
         let start = self.start.as_ref().filter(|_| is_safe);
         let at_start =
-            start.and_then(|start| bases.iter().map(|base| base.with(self.pass.variable, start)).collect());
-        Some(Places {
+            start.and_then(|start| bases.iter().map(|base| base.with(self.inner.variable, start)).collect());
+        Some(WrittenRange {
             stride: Literal::i128_unsuffixed(stride),
             at: all(&bases),
             at_start: at_start.map(|bases: Vec<Index>| all(&bases)),
@@ -211,11 +211,13 @@ impl Chunk<'_> {
             statements.extend(self.add(self.indices, target, value));
         }
         let place = |target: &Target| match target {
-            Target::Slope { index, .. } => Some(self.indices.position(index)),
-            Target::Value { .. } | Target::Total | Target::Curvature { .. } => None,
+            Target::Gradient { index, .. } => Some(self.indices.position(index)),
+            Target::Value { .. } | Target::Total | Target::Hessian { .. } => None,
         };
         match self.outputs.iter().map(|(_, target)| place(target)).collect::<Option<Vec<_>>>() {
-            Some(places) if self.has_windows && self.wanted == Wanted::Slopes && !places.is_empty() => {
+            Some(places)
+                if self.has_windows && self.derivative == Derivative::Gradient && !places.is_empty() =>
+            {
                 let sums = written(self.outputs);
                 quote! {
                     if #sums.clip::<1, _>(1, [#(#places),*]).1 > 0 {
@@ -228,32 +230,32 @@ impl Chunk<'_> {
     }
 
     /// The read of a local variable.
-    fn open(&self, code: &mut Code, k: usize, local: &Local) {
+    fn open(&self, code: &mut LoopCode, k: usize, local: &Local) {
         let own = &self.arithmetic.locals[k];
         let list = self.list(&local.slot);
-        match self.motion(&local.slot) {
-            Motion::Fixed => {
+        match self.access(&local.slot) {
+            Access::Invariant => {
                 let value = self.read(self.indices, &local.slot);
                 code.before.extend(quote!(let #own = #value;));
             }
-            Motion::Run => {
+            Access::Unit => {
                 let (slice, index) = (format_ident!("__s{k}"), slot_index(&local.slot));
                 let first = self.first(code, &index, 1);
                 self.limit(code, &index);
                 code.opening.extend(quote!(let #slice = &#list[#first..#first + __len];));
                 let entry = quote!(#slice[__place]);
                 let value = match &local.slot {
-                    Slot::State(..) => self.wanted.lifted(entry),
-                    Slot::Entry(..) | Slot::Number(_) => self.wanted.constant(&entry),
+                    Slot::State(..) => self.derivative.lifted(entry),
+                    Slot::Entry(..) | Slot::Number(_) => self.derivative.constant(&entry),
                 };
                 code.reads.extend(quote!(let #own = #value;));
             }
-            Motion::Points { base, part } => {
+            Access::Strided { base, part } => {
                 let (points, part) = (self.points(code, &list, &base, false), count(part));
-                let value = self.wanted.lifted(quote!(#points[__place][#part]));
+                let value = self.derivative.lifted(quote!(#points[__place][#part]));
                 code.reads.extend(quote!(let #own = #value;));
             }
-            Motion::Free => {
+            Access::Gather => {
                 let value = self.read(self.in_loop(), &local.slot);
                 code.reads.extend(quote!(let #own = #value;));
             }
@@ -261,7 +263,7 @@ impl Chunk<'_> {
     }
 
     /// The name of the points of `list` from `base` on.
-    fn points(&self, code: &mut Code, list: &TokenStream, base: &Index, is_written: bool) -> Ident {
+    fn points(&self, code: &mut LoopCode, list: &TokenStream, base: &Index, is_written: bool) -> Ident {
         let key = list.to_string();
         if let Some((.., name)) = code.points.iter().find(|(known, at, _)| *known == key && at == base) {
             return name.clone();
@@ -269,7 +271,7 @@ impl Chunk<'_> {
         self.limit(code, base);
         let name = format_ident!("__points{}", code.points.len());
         let (at, components) =
-            (self.first(code, base, self.pass.components), Literal::i128_unsuffixed(self.pass.components));
+            (self.first(code, base, self.inner.components), Literal::i128_unsuffixed(self.inner.components));
         code.opening.extend(match is_written {
             false => quote! {
                 let #name = &#list[#at..#at + #components * __len].as_chunks::<#components>().0[..__len];
@@ -283,20 +285,20 @@ impl Chunk<'_> {
         name
     }
 
-    /// The name of the beginning of a stretch.
-    fn first(&self, code: &mut Code, index: &Index, stride: i128) -> Ident {
+    /// The name of the first place of a range.
+    fn first(&self, code: &mut LoopCode, index: &Index, stride: i128) -> Ident {
         if let Some(known) = code.firsts.iter().find(|known| known.index == *index && known.stride == stride)
         {
             return known.name.clone();
         }
         let name = format_ident!("__first{}", code.firsts.len());
-        code.firsts.push(Stretch { index: index.clone(), stride, name: name.clone() });
+        code.firsts.push(ListRange { index: index.clone(), stride, name: name.clone() });
         name
     }
 
     /// A chunk ends where an index wraps around.
-    fn limit(&self, code: &mut Code, index: &Index) {
-        let Some(both) = self.pass.wraps(index).filter(|_| !code.limited.contains(index)) else { return };
+    fn limit(&self, code: &mut LoopCode, index: &Index) {
+        let Some(both) = self.inner.wraps(index).filter(|_| !code.limited.contains(index)) else { return };
         code.limited.push(index.clone());
         let (at, size) = (self.indices.value(&both.0), self.indices.value(&both.1));
         code.limits.extend(quote! {
@@ -304,21 +306,21 @@ impl Chunk<'_> {
         });
     }
 
-    fn motion(&self, slot: &Slot) -> Motion {
+    fn access(&self, slot: &Slot) -> Access {
         // Parts of lists are open if placements are evaluated in lanes.
-        let is_open = |index: &Index| self.beside.is_some() && index.slope(self.pass.variable) == Some(1);
-        match (self.pass.moves(slot), slot) {
-            (Motion::Run, Slot::Entry(table, indices))
+        let is_open = |index: &Index| self.gathered.is_some() && index.slope(self.inner.variable) == Some(1);
+        match (self.inner.slot_access(slot), slot) {
+            (Access::Unit, Slot::Entry(table, indices))
                 if indices.iter().any(is_open) || !self.indices.is_plain(*table) =>
             {
-                Motion::Free
+                Access::Gather
             }
             (motion, _) => motion,
         }
     }
 
     fn zero(&self) -> TokenStream {
-        self.wanted.constant(&quote!(0.0))
+        self.derivative.constant(&quote!(0.0))
     }
 
     fn list(&self, slot: &Slot) -> TokenStream {
@@ -333,19 +335,19 @@ impl Chunk<'_> {
 
     /// The indices in the loop over placements.
     fn in_loop(&self) -> Indices<'_> {
-        Indices { lists: self.beside.unwrap_or_default(), ..self.indices }
+        Indices { lists: self.gathered.unwrap_or_default(), ..self.indices }
     }
 
     fn read(&self, indices: Indices<'_>, slot: &Slot) -> TokenStream {
         match slot {
             Slot::State(Half::Coordinates | Half::Momenta, index) => {
                 let (list, position) = (self.list(slot), indices.position(index));
-                self.wanted.lifted(quote!(#list[#position]))
+                self.derivative.lifted(quote!(#list[#position]))
             }
-            Slot::Entry(table, at) => self.wanted.constant(&indices.entry(*table, at)),
+            Slot::Entry(table, at) => self.derivative.constant(&indices.entry(*table, at)),
             Slot::Number(index) | Slot::State(Half::Displacements, index) => {
                 let value = indices.value(index);
-                self.wanted.constant(&quote!(#value as __wzvi::f64))
+                self.derivative.constant(&quote!(#value as __wzvi::f64))
             }
         }
     }
@@ -355,11 +357,11 @@ impl Chunk<'_> {
             Target::Value { factor: None } => value.clone(),
             Target::Value { factor: Some(factor) } => quote!(#value * #factor),
             Target::Total => quote!(__total = __total + #value;),
-            Target::Slope { vector, index } => {
+            Target::Gradient { vector, index } => {
                 let position = indices.position(index);
                 quote!(#vector.add(#position, #value);)
             }
-            Target::Curvature { by, row, column, is_alone } => {
+            Target::Hessian { by, row, column, is_alone } => {
                 let (row, column) = (indices.position(row), indices.position(column));
                 quote!(__into(__wzvi::elements::By::#by, [#row, #column], #is_alone, #value);)
             }

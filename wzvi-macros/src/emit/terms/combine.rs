@@ -60,7 +60,7 @@ impl Combined {
     }
 
     /// The first derivatives by `locals`.
-    pub(super) fn slopes(&mut self, graph: &mut Graph, locals: &[Symbol]) -> Vec<Expr> {
+    pub(super) fn gradient(&mut self, graph: &mut Graph, locals: &[Symbol]) -> Vec<Expr> {
         let slopes: Vec<Expr> =
             self.variables.iter().map(|(s, _)| graph.derivative(self.value, *s)).collect();
         let slopes: Vec<Expr> = slopes.into_iter().map(|slope| self.named(graph, slope)).collect();
@@ -73,13 +73,13 @@ impl Combined {
     }
 
     /// The second derivatives by each pair of `locals` with the first not after the second, row by row.
-    pub(super) fn curvatures(&mut self, graph: &mut Graph, locals: &[Symbol]) -> Option<Vec<Expr>> {
+    pub(super) fn hessian(&mut self, graph: &mut Graph, locals: &[Symbol]) -> Option<Vec<Expr>> {
         let variables = self.variables.clone();
         let mut entries = Vec::new();
         for (a, (first, row)) in variables.iter().enumerate() {
             let slope = graph.derivative(self.value, *first);
             for (second, column) in &variables[a..] {
-                let curvature = graph.curvature(slope, *second);
+                let curvature = graph.hessian_entry(slope, *second);
                 entries.push((self.named(graph, curvature), row, column, first == second));
             }
         }
@@ -111,11 +111,11 @@ impl Combined {
 }
 
 /// The second derivatives of `value` by pairs of symbols, without combinations.
-pub(super) fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
+pub(super) fn hessian_of(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
     let mut all = Vec::new();
     for (a, &first) in symbols.iter().enumerate() {
         let slope = graph.derivative(value, first);
-        all.extend(symbols[a..].iter().map(|&second| graph.curvature(slope, second)));
+        all.extend(symbols[a..].iter().map(|&second| graph.hessian_entry(slope, second)));
     }
     all
 }
@@ -138,17 +138,17 @@ fn add(row: &mut Vec<(Symbol, Rational)>, other: &[(Symbol, Rational)], coeffici
     Some(())
 }
 
-type Terms = Vec<(Symbol, Rational)>;
+type LinearForm = Vec<(Symbol, Rational)>;
 
 /// The variables that are terms of one sum, for every sum with more than one.
-fn reachable_sums(graph: &Graph, value: Expr, variables: &[Variable]) -> Vec<Terms> {
+fn reachable_sums(graph: &Graph, value: Expr, variables: &[Variable]) -> Vec<LinearForm> {
     let terms_of = |part: Expr| {
         let Node::Sum { terms, .. } = graph.node(part) else { return None };
         let linear = terms.iter().filter_map(|&(term, coefficient)| {
             let symbol = graph.as_symbol(term)?;
             variables.iter().any(|(known, _)| *known == symbol).then_some((symbol, coefficient))
         });
-        Some(linear.collect::<Terms>()).filter(|terms| terms.len() > 1)
+        Some(linear.collect::<LinearForm>()).filter(|terms| terms.len() > 1)
     };
     graph.reachable(&[value]).into_iter().filter_map(terms_of).collect()
 }
@@ -159,7 +159,7 @@ fn combination(
     value: Expr,
     variables: &[Variable],
     locals: &[Symbol],
-) -> Option<(Terms, Symbol)> {
+) -> Option<(LinearForm, Symbol)> {
     let is_unit = |a: Rational| a.is_one() || a == Rational::MINUS_ONE;
     reachable_sums(graph, value, variables).into_iter().find_map(|terms| {
         let candidates = terms.iter().filter(|(symbol, a)| locals.contains(symbol) && is_unit(*a));
@@ -203,8 +203,8 @@ mod tests {
         let value = bonds(&mut graph, &x, pairs);
         let mut combined = Combined::new(&mut graph, value, &x).unwrap();
         assert_eq!(combined.variables.len(), variables);
-        let slopes = combined.slopes(&mut graph, &x);
-        let curvatures = combined.curvatures(&mut graph, &x).unwrap();
+        let slopes = combined.gradient(&mut graph, &x);
+        let curvatures = combined.hessian(&mut graph, &x).unwrap();
         let slopes = followed(&mut graph, &combined, &slopes);
         let curvatures = followed(&mut graph, &combined, &curvatures);
         // At a point with small integer coordinates, where arithmetic is exact.

@@ -75,7 +75,7 @@ fn stage(stage: &Stage) -> TokenStream {
 }
 
 /// Flows of large systems, window by window.
-pub(crate) fn in_windows() -> TokenStream {
+pub(crate) fn in_tiles() -> TokenStream {
     let f64 = quote!(__wzvi::f64);
     quote! {
         fn take_windows<'p, __W: __wzvi::elements::Word>(

@@ -6,12 +6,12 @@ use std::collections::HashMap;
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::Wanted;
-use super::chunk::{Chunk, Emitted, Pass, gathers, lists, partners};
-use super::weighted::{Nests, Outputs, Weight};
+use super::Derivative;
+use super::chunk::{Chunk, EmittedLoop, InnerLoop, gathers, open_lists, partners};
+use super::weighted::{ElementEmitter, Outputs, Weight};
 use crate::diagnostics::promised;
 use crate::discretise::{Weighted, family_of};
-use crate::emit::{Level, Lowering, Names, Op, Printer, Rank, count, parameter_names};
+use crate::emit::{Level, Lowering, Namer, Op, Printer, Rank, count, parameter_names};
 use crate::indices::{Indices, variable};
 use crate::model::{Atom, Half, Index, Loop, System};
 use crate::symbolic::{Expr, Symbol};
@@ -24,16 +24,16 @@ pub(super) enum Target {
     /// `total += value`
     Total,
     /// `vector[index] += value`
-    Slope { vector: Ident, index: Index },
+    Gradient { vector: Ident, index: Index },
     /// `into(by, [row, column], is_alone, value)`, where both variables of a pair may coincide.
-    Curvature { by: Ident, row: Index, column: Index, is_alone: bool },
+    Hessian { by: Ident, row: Index, column: Index, is_alone: bool },
 }
 
 impl Target {
     /// The target of the slope by the place `index` of a half of the state.
-    pub(super) fn slope(half: Half, index: Index) -> Self {
+    pub(super) fn gradient(half: Half, index: Index) -> Self {
         let by = if half == Half::Momenta { "p" } else { "q" };
-        Self::Slope { vector: format_ident!("__by_{by}"), index }
+        Self::Gradient { vector: format_ident!("__by_{by}"), index }
     }
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Arithmetic {
     pub(super) constants: Vec<Ident>,
 }
 
-impl Nests<'_> {
+impl ElementEmitter<'_> {
     /// The loops of an element around the computation of its nonzero `outputs`.
     pub(super) fn computed(
         &mut self,
@@ -76,7 +76,7 @@ impl Nests<'_> {
     ) -> Arithmetic {
         let System { graph, parameters, t, scale, tables, components, .. } = &mut *self.model;
         let element = &weighted.element;
-        let mut taken = Names::default();
+        let mut taken = Namer::default();
         let own = parameter_names(&mut taken, graph, parameters);
         let slots = element.locals.iter().map(|local| graph.symbol_name(local.symbol));
         let locals = taken.take_all(slots);
@@ -96,14 +96,14 @@ impl Nests<'_> {
         let ops: Vec<Op> = outputs.iter().map(|&(root, _)| lowering.lower(root)).collect();
         let program = &lowering.program;
         let (uses, hints) = (program.uses(&ops), HashMap::new());
-        let number = self.wanted.number();
+        let number = self.derivative.number();
         let printer = Printer::new(program, number.clone(), &hints, taken);
         let is_fixed = |op: Op| program.level(op) < Level::Increments;
         let own: Vec<Op> = inputs.iter().map(|(op, _)| *op).filter(|&op| is_fixed(op)).collect();
         let mut printer = printer.with_constants(&own, quote!(#number::Constant));
         inputs.into_iter().for_each(|(op, name)| printer.set(op, name));
         // In functions of their own, all constants are numbers.
-        let is_apart = self.wanted == Wanted::Slopes
+        let is_apart = self.derivative == Derivative::Gradient
             && (partners(weighted, &Indices::unchecked(tables), *components).is_some()
                 || gathers(graph, element, *components));
         let mut fixed =
@@ -134,7 +134,7 @@ impl Nests<'_> {
         let bound = weight.map(|(_, weight)| quote!(let __factor = #weight;));
         let (fixed_weight, own_weight) =
             if loops.last().is_some_and(is_own) { (None, bound) } else { (bound, None) };
-        let Emitted { buffers, body, after } =
+        let EmittedLoop { buffers, body, after } =
             self.innermost(weighted, &quote!(#own_weight), outputs, arithmetic);
         let outer = loops.split_last().map_or(&[][..], |(_, outer)| outer);
         let mut nest = quote! { #fixed_weight #body };
@@ -143,7 +143,7 @@ impl Nests<'_> {
             // Literals alone have no type.
             let is_typed = !known.start.terms.is_empty() || self.is_acting(weighted, known);
             let start = if is_typed { start } else { quote!(#start as __wzvi::isize) };
-            let range = match (depth, self.wanted == Wanted::Slopes) {
+            let range = match (depth, self.derivative == Derivative::Gradient) {
                 (0, true) => {
                     let (number, sums) = (count(known.variable as usize), written(outputs));
                     quote!(#sums.outer(#number, #start..#end))
@@ -168,25 +168,26 @@ impl Nests<'_> {
         weight: &TokenStream,
         outputs: &[(Expr, Target)],
         arithmetic: &Arithmetic,
-    ) -> Emitted {
+    ) -> EmittedLoop {
         let (element, System { graph, tables, components, .. }) = (&weighted.element, &*self.model);
         let (inner, indices) = (element.loops.last(), Indices::unchecked(tables));
-        let pass = Pass { variable: inner.map_or(u32::MAX, |known| known.variable), components: *components };
+        let inner_loop =
+            InnerLoop { variable: inner.map_or(u32::MAX, |known| known.variable), components: *components };
         let fixed = inner.filter(|known| !self.is_acting(weighted, known));
         let chunk = Chunk {
             indices,
             element,
-            pass,
+            inner: inner_loop,
             range: inner.map(|known| self.range_of(weighted, known)),
             start: fixed.map(|known| known.start.clone()),
             outputs,
             arithmetic,
             weight,
             has_windows: self.model.degrees_in_straight_lines().is_none(),
-            wanted: self.wanted,
-            beside: None,
+            derivative: self.derivative,
+            gathered: None,
         };
-        if self.wanted != Wanted::Slopes {
+        if self.derivative != Derivative::Gradient {
             return chunk.emit();
         }
         if let Some(first) = partners(weighted, &indices, *components) {
@@ -195,8 +196,8 @@ impl Nests<'_> {
         match &chunk.range {
             Some([start, end]) if gathers(graph, element, *components) => {
                 let (one_by_one, sums) = (chunk.emit().body, written(outputs));
-                let beside = Chunk { beside: Some(&lists(element, tables)), ..chunk.clone() };
-                let Emitted { buffers, body, after } = beside.emit();
+                let gathered = Chunk { gathered: Some(&open_lists(element, tables)), ..chunk.clone() };
+                let EmittedLoop { buffers, body, after } = gathered.emit();
                 let body = quote! {
                     if #sums.gathers(#start, #end) {
                         #body
@@ -204,7 +205,7 @@ impl Nests<'_> {
                         #one_by_one
                     }
                 };
-                Emitted { buffers, body, after }
+                EmittedLoop { buffers, body, after }
             }
             _ => chunk.emit(),
         }
@@ -212,7 +213,7 @@ impl Nests<'_> {
 
     /// Whether a loop runs over the active members of a family of noises.
     fn is_acting(&self, weighted: &Weighted, known: &Loop) -> bool {
-        self.wanted != Wanted::Curvature && family_of(weighted) == Some(known.variable)
+        self.derivative != Derivative::Hessian && family_of(weighted) == Some(known.variable)
     }
 
     /// The start and the end of a loop.
@@ -240,8 +241,8 @@ impl Nests<'_> {
 /// The vector of slopes that an element adds to; either, if it adds to both.
 pub(super) fn written(outputs: &[(Expr, Target)]) -> TokenStream {
     let vector = outputs.iter().find_map(|(_, target)| match target {
-        Target::Slope { vector, .. } => Some(quote!(#vector)),
-        Target::Value { .. } | Target::Total | Target::Curvature { .. } => None,
+        Target::Gradient { vector, .. } => Some(quote!(#vector)),
+        Target::Value { .. } | Target::Total | Target::Hessian { .. } => None,
     });
     vector.unwrap_or_default()
 }

@@ -1,34 +1,35 @@
-//! From elements to Rust: `Hamiltonian`, `Elements` and the schemes that are solved in loops.
+//! From elements to Rust: `Hamiltonian`, `Elements` and the schemes that are solved in loops. Tests:
+//! `tests/loops`, and the golden expansions (`compile/golden_tests.rs`).
 
 mod chunk;
 mod combine;
 mod hamiltonian;
 mod in_loops;
 mod kernel;
-mod parts;
+mod numbered;
 mod places;
+mod tiles;
 mod weighted;
-mod windows;
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
 
-pub(crate) use self::in_loops::{emit as step, in_windows, quadrature};
-use self::parts::Numbers;
+pub(crate) use self::in_loops::{emit as step, in_tiles, quadrature};
+use self::numbered::PartNumbers;
 use crate::describe::Texts;
 use crate::diagnostics::promised;
 use crate::discretise::{Facts, PartElements, Quadrature, Step, Unknowns, parts_of, scale_momenta};
 use crate::emit::compose::structure;
-use crate::emit::gauss::shape;
+use crate::emit::gauss::length_type;
 use crate::emit::overrides::{self, holds};
 use crate::emit::plan::degrees;
-use crate::emit::{Names, count, f64_type, implementation, parameter_names};
+use crate::emit::{Namer, count, f64_type, implementation, parameter_names};
 use crate::indices::Indices;
 use crate::input::{Length, Shape};
 use crate::model::{Form, Parameter, System};
 use crate::tokens::mentions;
 
-use self::weighted::Nests;
+use self::weighted::ElementEmitter;
 
 /// Values and slopes of all terms, and the implementations that follow from them.
 pub(crate) fn terms(model: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> TokenStream {
@@ -91,7 +92,7 @@ fn noise_count(model: &System) -> TokenStream {
 
 /// `let a = self.a;` for every parameter that `code` reads.
 fn parameters(model: &System, code: &TokenStream) -> TokenStream {
-    let names = parameter_names(&mut Names::default(), &model.graph, &model.parameters);
+    let names = parameter_names(&mut Namer::default(), &model.graph, &model.parameters);
     let read = names.iter().zip(&model.parameters).filter(|(name, _)| mentions(code, &name.to_string()));
     let reads = read.map(|(name, Parameter { tokens, symbol, .. })| {
         let number = model.listed().iter().take_while(|known| known.symbol != *symbol).count();
@@ -103,18 +104,18 @@ fn parameters(model: &System, code: &TokenStream) -> TokenStream {
 
 /// The quantity computed of an element.
 #[derive(Clone, Copy, PartialEq)]
-enum Wanted {
+enum Derivative {
     Value,
-    Slopes,
-    Curvature,
+    Gradient,
+    Hessian,
 }
 
-impl Wanted {
+impl Derivative {
     /// The type of its arithmetic.
     fn number(self) -> TokenStream {
         match self {
-            Self::Slopes => quote!(__T),
-            Self::Value | Self::Curvature => quote!(__S),
+            Self::Gradient => quote!(__T),
+            Self::Value | Self::Hessian => quote!(__S),
         }
     }
 
@@ -133,8 +134,8 @@ impl Wanted {
     /// A number of a vector in the type of the arithmetic.
     fn lifted(self, kept: TokenStream) -> TokenStream {
         match self {
-            Self::Slopes => quote!(__T::of(#kept)),
-            Self::Value | Self::Curvature => kept,
+            Self::Gradient => quote!(__T::of(#kept)),
+            Self::Value | Self::Hessian => kept,
         }
     }
 }
@@ -146,13 +147,15 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     if model.conformal.is_some() {
         scale_momenta(model, &mut parts);
     }
-    let [part_values, part_slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| parts::arms(model, wanted));
-    let [value, slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| arms(model, &parts, wanted));
+    let [part_values, part_slopes] =
+        [Derivative::Value, Derivative::Gradient].map(|derivative| numbered::arms(model, derivative));
+    let [value, slopes] =
+        [Derivative::Value, Derivative::Gradient].map(|derivative| arms(model, &parts, derivative));
     let (value, slopes) = (quote!(#value #part_values), quote!(#slopes #part_slopes));
     let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
-    let curvature = curvatures_of(model, &parts, has_curvature);
-    let first_integral = count(Numbers::of(model).integrals);
-    let has_windows = windows::are_there(model, &parts);
+    let curvature = hessian_method(model, &parts, has_curvature);
+    let first_integral = count(PartNumbers::of(model).integrals);
+    let has_windows = tiles::allows_tiles(model, &parts);
     // Read where a window takes a whole step at once.
     let is_constant = has_windows.is_some() && facts.has_constant_curvature;
     let has_loops = model.form == Form::Loops || model.line.is_none();
@@ -160,20 +163,20 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let coupled = facts.coupled_degrees.filter(|_| has_loops).map(count);
     let of_elements = overrides::Facts {
         kind: hamiltonian::kind(model),
-        bath: parts::bath(model),
-        parts: parts::forms(model, texts),
+        bath: numbered::bath(model),
+        parts: numbered::forms(model, texts),
         integrals: (!model.invariants.is_empty()).then(|| quote!(#first_integral)),
         has_windows,
-        has_pairs: holds(windows::have_pairs(model, &parts)),
-        gathers: windows::gathered(model, &parts),
-        has_one_velocity: holds(windows::have_one_velocity(model, &parts)),
+        has_pairs: holds(tiles::has_pairs(model, &parts)),
+        gathers: tiles::gathered(model, &parts),
+        has_one_velocity: holds(tiles::has_uniform_velocity(model, &parts)),
         has_constant_curvature: holds(is_constant),
         coupled_degrees: coupled.map(|degrees| quote!(__wzvi::Some(#degrees))),
         ..Default::default()
     };
     let known = crate::emit::plan::facts(model, facts, of_elements);
-    let (places, [exact, usual]) = (places::emit(model), windows::numbers(model, &parts));
-    let shape = shape(model.line.as_ref().map(|line| line.phase.q.len()));
+    let (places, [exact, usual]) = (places::emit(model), tiles::numbers(model, &parts));
+    let shape = length_type(model.line.as_ref().map(|line| line.phase.q.len()));
     let structure = structure(texts);
     let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
     let runs = has_loops.then(|| quote!(use #elements::Run as _;));
@@ -206,7 +209,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
                 __part: #usize,
                 __weight: #f64,
                 __at: &#elements::Point<'_, __S, impl #elements::Given<__S> + ?__wzvi::Sized>,
-                __wanted: #elements::Slopes,
+                __partials: #elements::Slopes,
                 __by_q: &mut (impl #elements::Sums<__S> + ?__wzvi::Sized),
                 __by_p: &mut (impl #elements::Sums<__S> + ?__wzvi::Sized),
             ) {
@@ -224,8 +227,8 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
 }
 
 /// The code of parts by their numbers.
-fn arms(model: &mut System, parts: &[PartElements], wanted: Wanted) -> TokenStream {
-    let mut nests = Nests { model, wanted };
+fn arms(model: &mut System, parts: &[PartElements], derivative: Derivative) -> TokenStream {
+    let mut nests = ElementEmitter { model, derivative };
     let arms = parts.iter().map(|part| {
         let (condition, code) = nests.part(part);
         arm(part.part as usize, condition, &code)
@@ -239,11 +242,11 @@ fn arm(number: usize, condition: Option<TokenStream>, code: &TokenStream) -> Tok
     if code.is_empty() { TokenStream::new() } else { quote!(#number #condition => { #code }) }
 }
 
-/// `Elements::curvature`: of the parts whose steps are solved with it, and of damping by a matrix; `None` if there is
-/// neither.
-fn curvatures_of(model: &mut System, parts: &[PartElements], has_curvature: bool) -> Option<TokenStream> {
-    let of_bath = self::parts::arms(model, Wanted::Curvature);
-    let of_parts = has_curvature.then(|| arms(model, parts, Wanted::Curvature));
+/// `Elements::curvature`: of the parts whose steps are solved with it, and of damping by a matrix; `None` if
+/// there is neither.
+fn hessian_method(model: &mut System, parts: &[PartElements], has_curvature: bool) -> Option<TokenStream> {
+    let of_bath = self::numbered::arms(model, Derivative::Hessian);
+    let of_parts = has_curvature.then(|| arms(model, parts, Derivative::Hessian));
     let code = quote!(#of_parts #of_bath);
     let opened = opened(model, &code);
     let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
@@ -254,7 +257,7 @@ fn curvatures_of(model: &mut System, parts: &[PartElements], has_curvature: bool
                 __part: #usize,
                 __weight: #f64,
                 __at: &__wzvi::elements::Point<'_, __S>,
-                __wanted: __wzvi::elements::Slopes,
+                __partials: __wzvi::elements::Slopes,
                 __into: &mut impl __wzvi::FnMut(__wzvi::elements::By, [#usize; 2], __wzvi::bool, __S),
             ) {
                 #opened

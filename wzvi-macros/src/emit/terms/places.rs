@@ -9,7 +9,7 @@ use quote::quote;
 use crate::diagnostics::promised;
 use crate::emit::count;
 use crate::emit::plan::degrees;
-use crate::model::{Atom, Bounds, Element, Index, Loop, Operation, Slot, System, Table, Term};
+use crate::model::{Atom, Bounds, Element, Index, IndexOperation, Loop, Slot, System, Table, Term};
 
 /// The largest `isize` on the smallest machine, and the most numbers of a state there.
 const LARGEST: i128 = i32::MAX as i128;
@@ -267,15 +267,15 @@ impl Sizes<'_> {
                 let are_integers = indices.iter().all(|index| self.is_integer(index));
                 (is_length && are_integers).then_some(LARGEST)
             }
-            Atom::Of(Operation::Product, both) => self.most(&both.0)?.checked_mul(self.most(&both.1)?),
+            Atom::Of(IndexOperation::Product, both) => self.most(&both.0)?.checked_mul(self.most(&both.1)?),
             // A divisor may be zero.
-            Atom::Of(Operation::Quotient | Operation::Remainder, both) => {
+            Atom::Of(IndexOperation::Quotient | IndexOperation::Remainder, both) => {
                 let divisor = both.1.as_integer().filter(|&divisor| divisor > 0);
                 let is_size = both.1 == self.system.size || both.1 == Index::atom(Atom::Size);
                 let most = self.most(&both.0)?;
                 (divisor.is_some() || is_size).then_some(most)
             }
-            Atom::Of(Operation::Minimum | Operation::Maximum, both) => {
+            Atom::Of(IndexOperation::Minimum | IndexOperation::Maximum, both) => {
                 Some(self.most(&both.0)?.max(self.most(&both.1)?))
             }
         }

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::Wanted;
-use super::combine::{Combined, curvatures};
+use super::Derivative;
+use super::combine::{Combined, hessian_of};
 use super::kernel::Target;
 use crate::discretise::{PartElements, Weighted, family_of};
 use crate::indices::Indices;
@@ -22,16 +22,16 @@ pub(super) struct Outputs {
 }
 
 /// The code that computes one quantity of the elements of a system.
-pub(super) struct Nests<'m> {
+pub(super) struct ElementEmitter<'m> {
     pub(super) model: &'m mut System,
-    pub(super) wanted: Wanted,
+    pub(super) derivative: Derivative,
 }
 
-impl Nests<'_> {
+impl ElementEmitter<'_> {
     /// The condition of a part, if there is a single one, and the code of its elements: their value, or
     /// statements that add their derivatives.
     pub(super) fn part(&mut self, part: &PartElements) -> (Option<TokenStream>, TokenStream) {
-        let is_value = self.wanted == Wanted::Value;
+        let is_value = self.derivative == Derivative::Value;
         let sum = if is_value { &part.values } else { &part.elements };
         let mut code = Vec::new();
         // Elements with the same increments are grouped.
@@ -59,8 +59,8 @@ impl Nests<'_> {
 
     /// Elements with one common weight, or none.
     pub(super) fn group(&mut self, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
-        match self.wanted {
-            Wanted::Value => self.values(group, weight),
+        match self.derivative {
+            Derivative::Value => self.values(group, weight),
             _ => group.iter().map(|weighted| self.derivatives(weighted, weight)).collect(),
         }
     }
@@ -105,40 +105,40 @@ impl Nests<'_> {
     fn derivatives(&mut self, weighted: &Weighted, weight: Option<&TokenStream>) -> TokenStream {
         let element = &weighted.element;
         let condition = match element.reads() {
-            _ if element.is_covector() => quote!(__wanted.by_q),
+            _ if element.is_covector() => quote!(__partials.by_q),
             Reads { q: false, p: false } => return TokenStream::new(),
-            Reads { q: true, p: false } => quote!(__wanted.by_q),
-            Reads { q: false, p: true } => quote!(__wanted.by_p),
-            Reads { q: true, p: true } => quote!((__wanted.by_q || __wanted.by_p)),
+            Reads { q: true, p: false } => quote!(__partials.by_q),
+            Reads { q: false, p: true } => quote!(__partials.by_p),
+            Reads { q: true, p: true } => quote!((__partials.by_q || __partials.by_p)),
         };
         let (value, weight) = self.weighed(element, weight);
-        let outputs = match (element.is_covector(), self.wanted) {
+        let outputs = match (element.is_covector(), self.derivative) {
             (true, _) => Outputs { values: self.of_covector(element, value), ..Outputs::default() },
-            (false, Wanted::Curvature) => self.curvatures(element, value),
-            (false, _) => self.slopes(element, value),
+            (false, Derivative::Hessian) => self.hessian(element, value),
+            (false, _) => self.gradient(element, value),
         };
         let body = self.computed(weighted, weight, outputs);
         if body.is_empty() { body } else { quote!(if #condition { #body }) }
     }
 
-    fn slopes(&mut self, element: &Element, value: Expr) -> Outputs {
+    fn gradient(&mut self, element: &Element, value: Expr) -> Outputs {
         let (graph, symbols) = (&mut self.model.graph, element.state());
         let mut combined = Combined::new(graph, value, &symbols);
         let slopes = match &mut combined {
-            Some(combined) => combined.slopes(graph, &symbols),
+            Some(combined) => combined.gradient(graph, &symbols),
             None => symbols.iter().map(|symbol| graph.derivative(value, *symbol)).collect(),
         };
         let places = places(element).into_iter();
-        let values = slopes.into_iter().zip(places.map(|(half, index)| Target::slope(half, index)));
+        let values = slopes.into_iter().zip(places.map(|(half, index)| Target::gradient(half, index)));
         let definitions = combined.map(|combined| combined.definitions).unwrap_or_default();
         Outputs { values: values.collect(), definitions }
     }
 
-    fn curvatures(&mut self, element: &Element, value: Expr) -> Outputs {
+    fn hessian(&mut self, element: &Element, value: Expr) -> Outputs {
         let (graph, symbols, all) = (&mut self.model.graph, element.state(), places(element));
         let mut combined = Combined::new(graph, value, &symbols);
-        let found = combined.as_mut().and_then(|combined| combined.curvatures(graph, &symbols));
-        let found = found.unwrap_or_else(|| curvatures(graph, value, &symbols));
+        let found = combined.as_mut().and_then(|combined| combined.hessian(graph, &symbols));
+        let found = found.unwrap_or_else(|| hessian_of(graph, value, &symbols));
         let pairs = all.iter().enumerate().flat_map(|(a, first)| all[a..].iter().map(move |b| (first, b)));
         let targets = pairs.map(|(first @ (half, row), second @ (other, column))| {
             let by = match (half, other) {
@@ -147,7 +147,7 @@ impl Nests<'_> {
                 _ => format_ident!("QP"),
             };
             let (row, column) = (row.clone(), column.clone());
-            Target::Curvature { by, row, column, is_alone: first == second }
+            Target::Hessian { by, row, column, is_alone: first == second }
         });
         let values = found.into_iter().zip(targets).collect();
         Outputs { values, definitions: combined.map(|combined| combined.definitions).unwrap_or_default() }
@@ -160,15 +160,15 @@ impl Nests<'_> {
         for (displacement, row) in element.displacements() {
             let component = graph.derivative(value, displacement);
             let slope = graph.negate(component);
-            if self.wanted == Wanted::Slopes {
-                outputs.push((slope, Target::slope(Half::Coordinates, row.clone())));
+            if self.derivative == Derivative::Gradient {
+                outputs.push((slope, Target::gradient(Half::Coordinates, row.clone())));
                 continue;
             }
             for (symbol, (half, column)) in element.state().into_iter().zip(places(element)) {
                 let by = if half == Half::Momenta { "QP" } else { "QQ" };
                 let (by, row) = (format_ident!("{by}"), row.clone());
-                let target = Target::Curvature { by, row, column, is_alone: true };
-                outputs.push((graph.curvature(slope, symbol), target));
+                let target = Target::Hessian { by, row, column, is_alone: true };
+                outputs.push((graph.hessian_entry(slope, symbol), target));
             }
         }
         outputs
@@ -180,18 +180,18 @@ impl Nests<'_> {
         let factor = part.is_weighted.then(|| quote!(*__weight));
         let increments = increments.iter().map(|number| {
             let position = indices.position(number);
-            self.wanted.lifted(quote!(__at.increment(#position)))
+            self.derivative.lifted(quote!(__at.increment(#position)))
         });
         match increments.reduce(|product, increment| quote!(#product * #increment)) {
             Some(product) => quote!(#product #factor),
-            None => self.wanted.step_size(factor),
+            None => self.derivative.step_size(factor),
         }
     }
 
     /// Whether a noise is active, if it is not a member of a family, whose loop checks it.
     fn condition(&self, weighted: &Weighted) -> Option<TokenStream> {
         let [number] = weighted.increments.as_slice() else { return None };
-        if self.wanted == Wanted::Curvature || family_of(weighted).is_some() {
+        if self.derivative == Derivative::Hessian || family_of(weighted).is_some() {
             return None;
         }
         let position = Indices::unchecked(&self.model.tables).position(number);

@@ -187,7 +187,7 @@ fn slopes_have_their_limits() {
         let mut model = drift(&format!("|[x, y], [u, v]| {closure} + 0.0 * (u + v)"));
         let (value, q) = (model.drift, model.phase.q.clone());
         let slopes: Vec<_> = q.iter().map(|&x| model.graph.derivative(value, x)).collect();
-        let curvatures: Vec<_> = slopes.iter().map(|&slope| model.graph.curvature(slope, q[0])).collect();
+        let curvatures: Vec<_> = slopes.iter().map(|&slope| model.graph.hessian_entry(slope, q[0])).collect();
         let at = |roots: &[Expr], point: [f64; 2]| {
             let of = |symbol| q.iter().position(|&own| own == symbol).map_or(2.0, |i| point[i]);
             model.graph.evaluate(roots, &of)

@@ -1,7 +1,7 @@
 //! Differences of two terms: common factors are extracted, and the remaining difference may have a better
 //! form. Tests: `symbolic/stabilise/tests.rs`, `symbolic/tests/accuracy.rs`.
 
-use super::Terms;
+use super::PendingTerms;
 use crate::symbolic::sign::Sign;
 use crate::symbolic::{Expr, Function, Graph, Node, Rational, Relation};
 
@@ -20,7 +20,7 @@ struct Difference {
 
 impl Graph {
     /// Rewrites pairs with opposite coefficients that are roots or exponentials up to common factors.
-    pub(super) fn pair_terms(&mut self, pool: &mut Terms) -> Vec<(Expr, Rational)> {
+    pub(super) fn pair_terms(&mut self, pool: &mut PendingTerms) -> Vec<(Expr, Rational)> {
         let mut replacements = Vec::new();
         if pool.len() > MOST_TERMS {
             return replacements;
@@ -177,7 +177,7 @@ impl Graph {
 
     /// The whole sum `c (a x² - a y²)` as `c a (x - y) (x + y)`, or as one square if `y` is a function and
     /// `x` is one.
-    pub(super) fn difference_of_squares(&mut self, pool: &Terms) -> Option<Expr> {
+    pub(super) fn difference_of_squares(&mut self, pool: &PendingTerms) -> Option<Expr> {
         let &[(first, Some(c)), (second, Some(d))] = pool.as_slice() else { return None };
         let difference = self.split(first, c, second, d)?;
         let (x, y) = (self.square_root(difference.first)?, self.square_root(difference.second)?);

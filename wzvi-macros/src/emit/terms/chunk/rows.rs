@@ -4,8 +4,8 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::motion::{Motion, Pass};
-use super::{Arithmetic, Chunk, Emitted, slot_index, variable};
+use super::access::{Access, InnerLoop};
+use super::{Arithmetic, Chunk, EmittedLoop, slot_index, variable};
 use crate::diagnostics::promised;
 use crate::discretise::Weighted;
 use crate::emit::count;
@@ -15,7 +15,7 @@ use crate::model::{Half, Index, Reads, Slot};
 use crate::tokens::mentions;
 
 /// The fewest partners that pay: the run time computes this many at once.
-const SHORT: i128 = 8;
+const FEWEST_PARTNERS: i128 = 8;
 
 /// The place of the first component of the first partner, if the innermost loop of an element runs over
 /// partners: adjacent points, such that the element is a function of their coordinates and of those of a body
@@ -28,25 +28,25 @@ pub(in crate::emit::terms) fn partners(
     let Weighted { element, increments } = weighted;
     let (inner, outer) = element.loops.split_last()?;
     let length = inner.end.subtract(&inner.start).and_then(|length| length.as_integer());
-    let is_short = length.is_some_and(|length| length < SHORT);
+    let is_short = length.is_some_and(|length| length < FEWEST_PARTNERS);
     let changes = increments.iter().any(|number| number.loops().contains(&inner.variable));
     let reads_coordinates = element.reads() == Reads { q: true, p: false } && !element.is_covector();
     if outer.is_empty() || is_short || changes || !reads_coordinates {
         return None;
     }
-    let pass = Pass { variable: inner.variable, components };
+    let inner_loop = InnerLoop { variable: inner.variable, components };
     let (mut has_body, mut first) = (false, None);
     for local in &element.locals {
-        let moved = match (&local.slot, pass.moves_on(&local.slot)) {
-            (slot, Motion::Fixed) => {
+        let moved = match (&local.slot, inner_loop.access_without_wrap(&local.slot)) {
+            (slot, Access::Invariant) => {
                 has_body |= matches!(slot, Slot::State(Half::Coordinates, _));
                 continue;
             }
-            (Slot::Entry(table, entry), Motion::Run) if entry.len() == 1 && indices.is_plain(*table) => {
+            (Slot::Entry(table, entry), Access::Unit) if entry.len() == 1 && indices.is_plain(*table) => {
                 continue;
             }
-            (Slot::State(Half::Coordinates, index), Motion::Run) if components == 1 => index.clone(),
-            (Slot::State(Half::Coordinates, _), Motion::Points { base, .. }) => base,
+            (Slot::State(Half::Coordinates, index), Access::Unit) if components == 1 => index.clone(),
+            (Slot::State(Half::Coordinates, _), Access::Strided { base, .. }) => base,
             _ => return None,
         };
         if first.as_ref().is_some_and(|known| *known != moved) {
@@ -57,11 +57,11 @@ pub(in crate::emit::terms) fn partners(
     first.filter(|_| has_body)
 }
 
-impl Pass {
-    /// How the value of a local variable moves; free if it wraps around.
-    fn moves_on(self, slot: &Slot) -> Motion {
+impl InnerLoop {
+    /// The access of the value of a local variable; a gather if it wraps around.
+    fn access_without_wrap(self, slot: &Slot) -> Access {
         let wraps = slot.indices().iter().any(|index| self.wraps(index).is_some());
-        if wraps { Motion::Free } else { self.moves(slot) }
+        if wraps { Access::Gather } else { self.slot_access(slot) }
     }
 }
 
@@ -122,14 +122,14 @@ impl<'a> Interaction<'a> {
 
 impl Chunk<'_> {
     /// The innermost loop as a row of pairs.
-    pub(in crate::emit::terms) fn row(&self, first: &Index) -> Emitted {
+    pub(in crate::emit::terms) fn row(&self, first: &Index) -> EmittedLoop {
         let [start, end] = promised(self.range.clone(), "pairs have an innermost loop");
         let mut interaction = Interaction::new(self);
         let (before, lists) = self.open_pair(&mut interaction);
         let places = self.slopes_of_pair(&mut interaction);
-        let (items, sizes) = (interaction.emit(&self.wanted.number()), interaction.sizes());
+        let (items, sizes) = (interaction.emit(&self.derivative.number()), interaction.sizes());
         let (name, of_partner, first) =
-            (variable(self.pass.variable), &sizes[1], self.indices.position(first));
+            (variable(self.inner.variable), &sizes[1], self.indices.position(first));
         let (own, elements) = (&interaction.own, quote!(__wzvi::elements));
         let buffers = quote! {
             #items
@@ -147,18 +147,18 @@ impl Chunk<'_> {
                 });
             }
         };
-        Emitted { buffers, body, after: quote!(__by_q.end_rows::<#of_partner>();) }
+        EmittedLoop { buffers, body, after: quote!(__by_q.end_rows::<#of_partner>();) }
     }
 
     /// The inputs of a pair: values common to the row, read before it, and lists with an entry for each
     /// partner.
     fn open_pair(&self, pair: &mut Interaction<'_>) -> (TokenStream, Vec<TokenStream>) {
         let (mut before, mut lists) = (TokenStream::new(), Vec::new());
-        pair.partner = vec![quote!(_); usize::try_from(self.pass.components).unwrap_or(1)];
+        pair.partner = vec![quote!(_); usize::try_from(self.inner.components).unwrap_or(1)];
         for (k, local) in self.read_locals() {
             let (slot, name) = (&local.slot, self.arithmetic.locals[k].clone());
-            match (slot, self.pass.moves_on(slot)) {
-                (_, Motion::Fixed) => {
+            match (slot, self.inner.access_without_wrap(slot)) {
+                (_, Access::Invariant) => {
                     let value = self.read(self.indices, slot);
                     before.extend(quote!(let #name = #value;));
                     pair.own.push(name);
@@ -168,8 +168,8 @@ impl Chunk<'_> {
                     lists.push(quote!(&#list[#at..]));
                     pair.entries.push(name);
                 }
-                (_, Motion::Points { part, .. }) => pair.partner[part] = quote!(#name),
-                (_, Motion::Run | Motion::Free) => pair.partner[0] = quote!(#name),
+                (_, Access::Strided { part, .. }) => pair.partner[part] = quote!(#name),
+                (_, Access::Unit | Access::Gather) => pair.partner[0] = quote!(#name),
             }
         }
         (before, lists)
@@ -178,16 +178,16 @@ impl Chunk<'_> {
     /// The results of a pair: the slopes by the body, with their places, and those by the partner.
     fn slopes_of_pair(&self, pair: &mut Interaction<'_>) -> Vec<TokenStream> {
         let mut places = Vec::new();
-        pair.by_partner = vec![self.wanted.constant(&quote!(-0.0)); pair.partner.len()];
+        pair.by_partner = vec![self.derivative.constant(&quote!(-0.0)); pair.partner.len()];
         for ((_, target), value) in self.outputs.iter().zip(&self.arithmetic.values) {
-            let Target::Slope { index, .. } = target else { continue };
-            match self.pass.motion(index) {
-                Motion::Fixed => {
+            let Target::Gradient { index, .. } = target else { continue };
+            match self.inner.access(index) {
+                Access::Invariant => {
                     places.push(self.indices.position(index));
                     pair.by_own.push(value.clone());
                 }
-                Motion::Points { part, .. } => pair.by_partner[part] = value.clone(),
-                Motion::Run | Motion::Free => pair.by_partner[0] = value.clone(),
+                Access::Strided { part, .. } => pair.by_partner[part] = value.clone(),
+                Access::Unit | Access::Gather => pair.by_partner[0] = value.clone(),
             }
         }
         places

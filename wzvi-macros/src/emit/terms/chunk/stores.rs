@@ -3,9 +3,9 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::motion::Motion;
-use super::nest::CHUNK;
-use super::{Chunk, Code};
+use super::access::Access;
+use super::chunk_loop::CHUNK;
+use super::{Chunk, LoopCode};
 use crate::emit::count;
 use crate::emit::terms::kernel::Target;
 use crate::indices::variable;
@@ -13,7 +13,7 @@ use crate::model::Index;
 
 impl Chunk<'_> {
     /// Stores the computed values. Slices first, which determine the vectors in use for the rest.
-    pub(super) fn store(&self, code: &mut Code) {
+    pub(super) fn store(&self, code: &mut LoopCode) {
         let mut left: Vec<usize> = Vec::new();
         let order = self.furthest_first();
         // Pairs of neighbours before others, which would occupy their vector.
@@ -26,7 +26,7 @@ impl Chunk<'_> {
             {
                 code.direct.push(vector.clone());
                 carried.extend([j, next]);
-                self.store_run(code, j, Some(next));
+                self.store_unit(code, j, Some(next));
             }
         }
         for j in order {
@@ -38,12 +38,12 @@ impl Chunk<'_> {
                 continue;
             };
             let is_taken = code.direct.contains(vector);
-            match self.pass.motion(index) {
-                Motion::Run if !is_taken => {
+            match self.inner.access(index) {
+                Access::Unit if !is_taken => {
                     code.direct.push(vector.clone());
-                    self.store_run(code, j, None);
+                    self.store_unit(code, j, None);
                 }
-                Motion::Points { base, part } => {
+                Access::Strided { base, part } => {
                     let list = quote!(#vector);
                     let key = (list.to_string(), &base);
                     let is_open = code.points.iter().any(|(list, at, _)| (list, at) == (&key.0, key.1));
@@ -62,7 +62,7 @@ impl Chunk<'_> {
         }
         for group in left.chunk_by(|a, b| self.point(*a).is_some_and(|a| self.point(*b) == Some(a))) {
             match group {
-                // Another stretch of the same vector is written during the arithmetic.
+                // Another range of the vector is written during the arithmetic.
                 [first, ..]
                     if self.point(*first).is_some_and(|(vector, ..)| code.direct.contains(vector)) =>
                 {
@@ -78,7 +78,7 @@ impl Chunk<'_> {
     fn furthest_first(&self) -> Vec<usize> {
         let place = |j: &usize| -> Option<(&Ident, Index, i128)> {
             let (vector, index) = self.slope(*j)?;
-            let (place, _) = self.pass.unwrapped(index)?;
+            let (place, _) = self.inner.unwrapped(index)?;
             let constant = place.constant;
             Some((vector, place.shifted(-constant)?, constant))
         };
@@ -98,7 +98,7 @@ impl Chunk<'_> {
 
     /// Ends a chunk before a slice that is added later reaches one that is added earlier, so that places get
     /// their terms in the order of the placements.
-    fn keep_order(&self, code: &mut Code, j: usize) {
+    fn keep_order(&self, code: &mut LoopCode, j: usize) {
         let place = |j: usize| self.point(j);
         let Some((vector, stride, own)) = place(j) else { return };
         let is_own =
@@ -111,7 +111,7 @@ impl Chunk<'_> {
                 continue;
             };
             let is_plain =
-                self.pass.wrap(&own, stride).is_none() && self.pass.wrap(&before, stride).is_none();
+                self.inner.wrap(&own, stride).is_none() && self.inner.wrap(&before, stride).is_none();
             let ahead = own.subtract(&before).and_then(|distance| distance.as_integer());
             if is_plain && ahead.is_some_and(|ahead| ahead <= 0) {
                 continue;
@@ -128,13 +128,13 @@ impl Chunk<'_> {
     /// Another slope at the place of slope `j` in the next iteration of the loop.
     fn neighbour(&self, j: usize) -> Option<usize> {
         let (vector, own) = self.slope(j)?;
-        let is_next = |(known, index): (&Ident, &Index)| known == vector && self.pass.follows(index, own);
+        let is_next = |(known, index): (&Ident, &Index)| known == vector && self.inner.follows(index, own);
         (0..self.outputs.len()).find(|&other| other != j && self.slope(other).is_some_and(is_next))
     }
 
     /// Adds slope `j` to its slice, together with the term carried from the last iteration for the same
     /// place.
-    fn store_run(&self, code: &mut Code, j: usize, next: Option<usize>) {
+    fn store_unit(&self, code: &mut LoopCode, j: usize, next: Option<usize>) {
         let Some((vector, index)) = self.slope(j) else { return };
         let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), code.values[j].clone());
         let carried = format_ident!("__carried{j}");
@@ -146,7 +146,7 @@ impl Chunk<'_> {
             let (first_ahead, value_ahead) = (self.first(code, ahead, 1), code.values[next].clone());
             let zero = self.zero();
             // One placement at a time where wrapping makes the next place another one.
-            if self.pass.wrap(index, 1).is_some() || self.pass.wrap(ahead, 1).is_some() {
+            if self.inner.wrap(index, 1).is_some() || self.inner.wrap(ahead, 1).is_some() {
                 let [base, base_ahead] = [index, ahead].map(|index| self.indices.position(index));
                 code.limits.extend(quote! {
                     if #base_ahead != #base + 1 {
@@ -173,7 +173,7 @@ impl Chunk<'_> {
     }
 
     /// Buffers a value of each placement of a chunk.
-    fn store_in_buffer(&self, code: &mut Code, buffer: &Ident, j: usize) {
+    fn store_in_buffer(&self, code: &mut LoopCode, buffer: &Ident, j: usize) {
         let (zero, most, value) = (self.zero(), count(CHUNK), &code.values[j]);
         code.has_buffers = true;
         code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
@@ -184,20 +184,20 @@ impl Chunk<'_> {
     /// The vector that output `j` adds to, and where, if it is a slope.
     fn slope(&self, j: usize) -> Option<(&Ident, &Index)> {
         match self.outputs.get(j) {
-            Some((_, Target::Slope { vector, index })) => Some((vector, index)),
+            Some((_, Target::Gradient { vector, index })) => Some((vector, index)),
             _ => None,
         }
     }
 
-    /// The vector that output `j` adds to, and the first place or point of the stretch of it.
+    /// The vector that output `j` adds to, and the first place or point of its range.
     fn point(&self, j: usize) -> Option<(&Ident, i128, Index)> {
         let (vector, index) = self.slope(j)?;
-        let (stride, base) = self.pass.stretch(index)?;
+        let (stride, base) = self.inner.range(index)?;
         Some((vector, stride, base))
     }
 
-    /// Outputs of one stretch, buffered until the arithmetic of the chunk is done.
-    fn store_waiting(&self, code: &mut Code, group: &[usize]) {
+    /// Outputs of one range, buffered until the arithmetic of the chunk is done.
+    fn store_waiting(&self, code: &mut LoopCode, group: &[usize]) {
         let Some((vector, stride, base)) = group.first().and_then(|&j| self.point(j)) else { return };
         let size = Literal::i128_unsuffixed(stride);
         let run = if stride == 1 { quote!(run) } else { quote!(points::<#size>) };
@@ -208,8 +208,8 @@ impl Chunk<'_> {
             self.limit(code, index);
             self.keep_order(code, j);
             self.store_in_buffer(code, &buffer, j);
-            adds.extend(match self.pass.motion(index) {
-                Motion::Points { part, .. } => {
+            adds.extend(match self.inner.access(index) {
+                Access::Strided { part, .. } => {
                     let part = count(part);
                     quote!(__run.add_part(__place, #part, #buffer[__place]);)
                 }
@@ -226,23 +226,23 @@ impl Chunk<'_> {
     }
 
     /// Outputs without a slice of their own: sums, buffers, single places.
-    fn store_other(&self, code: &mut Code, j: usize) {
+    fn store_other(&self, code: &mut LoopCode, j: usize) {
         let Some((_, target)) = self.outputs.get(j) else { return };
         let (buffer, zero, value) = (format_ident!("__b{j}"), self.zero(), code.values[j].clone());
-        let is_moving = |index: &Index| index.loops().contains(&self.pass.variable);
+        let is_moving = |index: &Index| index.loops().contains(&self.inner.variable);
         let is_fixed = match target {
             Target::Value { .. } | Target::Total => true,
-            Target::Slope { index, .. } => !is_moving(index),
-            Target::Curvature { row, column, .. } => !is_moving(row) && !is_moving(column),
+            Target::Gradient { index, .. } => !is_moving(index),
+            Target::Hessian { row, column, .. } => !is_moving(row) && !is_moving(column),
         };
-        let is_shared = matches!(target, Target::Slope { vector, .. } if code.direct.contains(vector));
+        let is_shared = matches!(target, Target::Gradient { vector, .. } if code.direct.contains(vector));
         if is_fixed {
             code.before.extend(quote!(let mut #buffer = #zero;));
             code.stores.extend(quote!(#buffer = #buffer + #value;));
             code.after.extend(self.add(self.indices, target, &quote!(#buffer)));
         } else if is_shared {
             self.store_in_buffer(code, &buffer, j);
-            let name = variable(self.pass.variable);
+            let name = variable(self.inner.variable);
             let add = self.add(self.indices, target, &quote!(#buffer[__place]));
             code.closing.extend(quote! {
                 for __place in 0..__len {

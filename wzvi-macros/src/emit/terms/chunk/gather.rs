@@ -7,15 +7,15 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::motion::{Motion, Pass};
+use super::access::{Access, InnerLoop};
 use super::{Arithmetic, Chunk, rows};
-use crate::emit::terms::windows::is_correctly_rounded;
+use crate::emit::terms::tiles::is_correctly_rounded;
 use crate::indices::{Indices, OpenList};
 use crate::model::{Atom, Element, Half, Index, Slot, Table};
 use crate::symbolic::{Expr, Graph};
 
 /// The parts of lists that the innermost loop of an element reads entry by entry.
-pub(in crate::emit::terms) fn lists(element: &Element, tables: &[Table]) -> Vec<OpenList> {
+pub(in crate::emit::terms) fn open_lists(element: &Element, tables: &[Table]) -> Vec<OpenList> {
     let mut open = Vec::new();
     let Some(inner) = element.loops.last() else { return open };
     for local in &element.locals {
@@ -62,7 +62,7 @@ fn open_list(table: u32, indices: &[Index], inner: u32, tables: &[Table], open: 
 }
 
 /// The code of a block of placements.
-pub(super) struct Block {
+pub(super) struct GatheredBlock {
     /// Before the loop over their chunks.
     pub(super) items: TokenStream,
     /// The names of their slopes.
@@ -82,10 +82,10 @@ pub(super) struct Block {
 /// functions, so that gathering pays. Products and quotients alone are cheaper than gathering their operands.
 pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
     let Some(inner) = element.loops.last() else { return false };
-    let pass = Pass { variable: inner.variable, components };
+    let inner_loop = InnerLoop { variable: inner.variable, components };
     let is_free = |slot: &Slot| {
         matches!(slot, Slot::State(Half::Coordinates | Half::Momenta, _))
-            && matches!(pass.moves(slot), Motion::Free)
+            && matches!(inner_loop.slot_access(slot), Access::Gather)
     };
     let state = element.state();
     let is_long = |part: Expr| {
@@ -99,18 +99,18 @@ pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, componen
 
 impl Chunk<'_> {
     /// The block with its arithmetic, which reads these lists.
-    pub(super) fn beside(&self, lists: &[OpenList]) -> Block {
+    pub(super) fn gather(&self, lists: &[OpenList]) -> GatheredBlock {
         let (Arithmetic { values, locals, .. }, weight) = (self.arithmetic, self.weight);
         let mut interaction = rows::Interaction::new(self);
         for (k, local) in self.read_locals() {
-            let read = match self.motion(&local.slot) {
-                Motion::Fixed => &mut interaction.own,
-                Motion::Run | Motion::Points { .. } | Motion::Free => &mut interaction.entries,
+            let read = match self.access(&local.slot) {
+                Access::Invariant => &mut interaction.own,
+                Access::Unit | Access::Strided { .. } | Access::Gather => &mut interaction.entries,
             };
             read.push(locals[k].clone());
         }
         interaction.by_own.clone_from(values);
-        let number = self.wanted.number();
+        let number = self.derivative.number();
         let (items, [of_own, _, of_entries, of_values]) = (interaction.emit(&number), interaction.sizes());
         let rows::Interaction { own, entries, .. } = interaction;
         let names: Vec<Ident> = (0..values.len()).map(|j| format_ident!("__slope{j}")).collect();
@@ -123,7 +123,7 @@ impl Chunk<'_> {
         });
         let lists =
             lists.iter().map(|OpenList { name, .. }| quote!(let #name = &#name[__first..__first + __few];));
-        Block {
+        GatheredBlock {
             opening: quote!(#(#opened)*),
             lists: quote!(#(#lists)*),
             items: quote! {
@@ -142,7 +142,7 @@ impl Chunk<'_> {
     }
 }
 
-impl Block {
+impl GatheredBlock {
     /// The loop over the placements of a chunk; `place` binds the variable of the loop, if some code mentions
     /// it.
     pub(super) fn over_chunk(

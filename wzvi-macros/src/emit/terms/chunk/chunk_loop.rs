@@ -5,7 +5,7 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
-use super::{Code, Stretch};
+use super::{ListRange, LoopCode};
 use crate::emit::count;
 use crate::indices::Indices;
 use crate::tokens::mentions;
@@ -14,7 +14,7 @@ use crate::tokens::mentions;
 pub(super) const CHUNK: usize = 256;
 
 /// The first place that a loop writes to, if successive placements write to successive places or points.
-pub(super) struct Places {
+pub(super) struct WrittenRange {
     /// From one placement to the next.
     pub(super) stride: Literal,
     /// In terms of the loop variable.
@@ -26,42 +26,42 @@ pub(super) struct Places {
 }
 
 /// The ingredients of the loop.
-pub(super) struct Nest<'n> {
+pub(super) struct ChunkLoop<'n> {
     pub(super) indices: Indices<'n>,
     /// The loop variable, its start and its end.
     pub(super) name: Ident,
     pub(super) start: &'n TokenStream,
     pub(super) end: &'n TokenStream,
-    pub(super) code: &'n Code,
-    /// The code of a chunk, whose stretches begin at their `__first`.
+    pub(super) code: &'n LoopCode,
+    /// The code of a chunk, whose ranges begin at their `__first`.
     pub(super) chunk: TokenStream,
     /// The places it writes to, and the sums.
-    pub(super) places: Option<Places>,
+    pub(super) places: Option<WrittenRange>,
     pub(super) sums: TokenStream,
 }
 
-impl Nest<'_> {
+impl ChunkLoop<'_> {
     pub(super) fn emit(&self) -> TokenStream {
-        let Code { limits, ordering, has_buffers, .. } = self.code;
+        let LoopCode { limits, ordering, has_buffers, .. } = self.code;
         match &self.places {
             _ if limits.is_empty() && ordering.is_empty() && !has_buffers => self.at_once(),
-            Some(Places { stride, at, .. }) if *has_buffers => self.in_pieces(stride, at),
+            Some(WrittenRange { stride, at, .. }) if *has_buffers => self.in_pieces(stride, at),
             _ => self.in_chunks(),
         }
     }
 
     /// All placements are one chunk.
     fn at_once(&self) -> TokenStream {
-        let Self { name, start, end, code: Code { before, after, .. }, sums, .. } = self;
+        let Self { name, start, end, code: LoopCode { before, after, .. }, sums, .. } = self;
         let pass = self.pass();
         let code = match &self.places {
             None => quote!(if let (#name, __len @ 1..) = __wzvi::elements::stretch(#start, #end) { #pass }),
-            Some(Places { stride, at_start: Some(places), .. }) => quote! {
+            Some(WrittenRange { stride, at_start: Some(places), .. }) => quote! {
                 if let (#name, __len @ 1..) = #sums.stretch::<#stride, _>(#start, #end, #places) {
                     #pass
                 }
             },
-            Some(Places { stride, at, is_safe, .. }) => {
+            Some(WrittenRange { stride, at, is_safe, .. }) => {
                 let found = quote! {
                     if let (#name, __len @ 1..) = #sums.stretch::<#stride, _>(#name, #end, #at) {
                         #pass
@@ -78,10 +78,10 @@ impl Nest<'_> {
     /// beginnings of slices are computed once. Chunks begin at the same placements as otherwise, because they
     /// determine the grouping of sums.
     fn in_pieces(&self, stride: &Literal, places: &TokenStream) -> TokenStream {
-        let Self { name, code: Code { limits, ordering, firsts, .. }, chunk, sums, .. } = self;
+        let Self { name, code: LoopCode { limits, ordering, firsts, .. }, chunk, sums, .. } = self;
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let (mutable_piece, mutable_chunk, most) = (mutable(limits), mutable(ordering), count(CHUNK));
-        let moved = firsts.iter().map(|Stretch { stride, name, .. }| {
+        let moved = firsts.iter().map(|ListRange { stride, name, .. }| {
             let factor = Some(Literal::i128_unsuffixed(*stride)).filter(|_| *stride != 1);
             let factor = factor.map(|stride| quote!(#stride *));
             quote!(let #name = #name + #factor __skip;)
@@ -89,7 +89,7 @@ impl Nest<'_> {
         let moved: TokenStream = moved.collect();
         let low = mentions(chunk, &name.to_string()).then(|| quote!(let #name = #name + __skip as #isize;));
         let opened = self.opened();
-        self.going_through(&quote! {
+        self.while_placements_remain(&quote! {
             let #mutable_piece __len = (__end - #name) as #usize;
             #limits
             let __next = #name + __len as #isize;
@@ -121,7 +121,7 @@ impl Nest<'_> {
                 #pass
                 #name += __len as #isize;
             },
-            Some(Places { stride, at, .. }) => quote! {
+            Some(WrittenRange { stride, at, .. }) => quote! {
                 let __next = #name + __len as #isize;
                 if let (#name, __len @ 1..) = #sums.stretch::<#stride, _>(#name, __next, #at) {
                     #pass
@@ -129,12 +129,12 @@ impl Nest<'_> {
                 #name = __next;
             },
         };
-        self.going_through(&quote!(#limited #pass))
+        self.while_placements_remain(&quote!(#limited #pass))
     }
 
     /// Loops while placements remain.
-    fn going_through(&self, body: &TokenStream) -> TokenStream {
-        let Self { name, start, end, code: Code { before, after, .. }, .. } = self;
+    fn while_placements_remain(&self, body: &TokenStream) -> TokenStream {
+        let Self { name, start, end, code: LoopCode { before, after, .. }, .. } = self;
         quote! {
             #before
             let mut #name: __wzvi::isize = #start;
@@ -148,7 +148,7 @@ impl Nest<'_> {
 
     /// The number of placements in the chunk.
     fn limited(&self) -> TokenStream {
-        let Self { name, code: Code { limits, ordering, has_buffers, .. }, .. } = self;
+        let Self { name, code: LoopCode { limits, ordering, has_buffers, .. }, .. } = self;
         let (usize, is_limited) = (quote!(__wzvi::usize), mutable(&quote!(#limits #ordering)));
         let most = count(CHUNK);
         let most = match has_buffers {
@@ -162,9 +162,9 @@ impl Nest<'_> {
         }
     }
 
-    /// The beginnings of stretches.
+    /// The first places of ranges.
     fn opened(&self) -> TokenStream {
-        let opened = self.code.firsts.iter().map(|Stretch { index, name, .. }| {
+        let opened = self.code.firsts.iter().map(|ListRange { index, name, .. }| {
             let position = self.indices.position(index);
             quote!(let #name = #position;)
         });

@@ -1,59 +1,60 @@
-//! How an index moves with the innermost loop. Tests: `tests/loops/one_by_one.rs`.
+//! The access of an index in the innermost loop: which places successive placements read or write. Tests:
+//! `tests/loops/one_by_one.rs`.
 
-use crate::model::{Atom, Index, Operation, Slot};
+use crate::model::{Atom, Index, IndexOperation, Slot};
 
-/// How an index moves with the innermost loop.
-pub(super) enum Motion {
-    Fixed,
-    /// By one, perhaps wrapping around.
-    Run,
-    /// By a point: component `part` of points from the index `base` on.
-    Points {
+/// The access of an index in the innermost loop: which places successive placements read or write.
+pub(super) enum Access {
+    Invariant,
+    /// The next place, perhaps wrapping around.
+    Unit,
+    /// The next point: component `part` of points from the index `base` on.
+    Strided {
         base: Index,
         part: usize,
     },
-    Free,
+    Gather,
 }
 
 /// The innermost loop as indices see it.
 #[derive(Clone, Copy)]
-pub(in crate::emit::terms) struct Pass {
+pub(in crate::emit::terms) struct InnerLoop {
     pub(in crate::emit::terms) variable: u32,
     /// Components of a point.
     pub(in crate::emit::terms) components: i128,
 }
 
-impl Pass {
+impl InnerLoop {
     /// Stride and first index of the places that successive placements of the loop read or write: the stride
     /// is one place or one point. Components of one point have the same first index.
-    pub(in crate::emit::terms) fn stretch(self, index: &Index) -> Option<(i128, Index)> {
-        match self.motion(index) {
-            Motion::Run => Some((1, index.clone())),
-            Motion::Points { base, .. } => Some((self.components, base)),
-            Motion::Fixed | Motion::Free => None,
+    pub(in crate::emit::terms) fn range(self, index: &Index) -> Option<(i128, Index)> {
+        match self.access(index) {
+            Access::Unit => Some((1, index.clone())),
+            Access::Strided { base, .. } => Some((self.components, base)),
+            Access::Invariant | Access::Gather => None,
         }
     }
 
-    /// How the value of a local variable moves with the loop.
-    pub(super) fn moves(self, slot: &Slot) -> Motion {
+    /// The access of the value of a local variable.
+    pub(super) fn slot_access(self, slot: &Slot) -> Access {
         let is_fixed = !slot.indices().iter().any(|index| index.loops().contains(&self.variable));
         match slot {
-            Slot::State(_, index) => self.motion(index),
-            _ if is_fixed => Motion::Fixed,
-            Slot::Entry(_, indices) if matches!(indices.as_slice(), [index] if self.runs(index)) => {
-                Motion::Run
+            Slot::State(_, index) => self.access(index),
+            _ if is_fixed => Access::Invariant,
+            Slot::Entry(_, indices) if matches!(indices.as_slice(), [index] if self.is_unit(index)) => {
+                Access::Unit
             }
-            Slot::Entry(..) | Slot::Number(_) => Motion::Free,
+            Slot::Entry(..) | Slot::Number(_) => Access::Gather,
         }
     }
 
-    pub(super) fn motion(self, index: &Index) -> Motion {
+    pub(super) fn access(self, index: &Index) -> Access {
         let Self { variable, components } = self;
         if !index.loops().contains(&variable) {
-            return Motion::Fixed;
+            return Access::Invariant;
         }
-        if self.runs(index) {
-            return Motion::Run;
+        if self.is_unit(index) {
+            return Access::Unit;
         }
         // Complete points from the first to the last are in the vector if the index is.
         let moves_on = index.slope(variable) == Some(components) || self.wrap(index, components).is_some();
@@ -62,13 +63,13 @@ impl Pass {
             && index.terms.iter().all(|(_, coefficient)| coefficient % components == 0);
         let part = if is_point { index.constant.rem_euclid(components) } else { 0 };
         match (is_point, index.shifted(-part), usize::try_from(part)) {
-            (true, Some(base), Ok(part)) => Motion::Points { base, part },
-            _ => Motion::Free,
+            (true, Some(base), Ok(part)) => Access::Strided { base, part },
+            _ => Access::Gather,
         }
     }
 
     /// Whether the index goes up by one with the loop, perhaps wrapping around.
-    pub(super) fn runs(self, index: &Index) -> bool {
+    pub(super) fn is_unit(self, index: &Index) -> bool {
         index.slope(self.variable) == Some(1) || self.wrap(index, 1).is_some()
     }
 
@@ -83,7 +84,9 @@ impl Pass {
         let inner = self.variable;
         let mut moving = index.terms.iter().filter(|(atom, _)| atom.reads(inner));
         match (moving.next(), moving.next()) {
-            (Some((Atom::Of(Operation::Remainder, both), coefficient)), None) if *coefficient == stride => {
+            (Some((Atom::Of(IndexOperation::Remainder, both), coefficient)), None)
+                if *coefficient == stride =>
+            {
                 let is_run = both.0.slope(inner) == Some(1) && !both.1.loops().contains(&inner);
                 is_run.then_some(&**both)
             }
@@ -97,7 +100,7 @@ impl Pass {
             None => Some((index.clone(), Index::default())),
             Some(both) => {
                 let rest =
-                    index.subtract(&Index::of(Operation::Remainder, both.0.clone(), both.1.clone()))?;
+                    index.subtract(&Index::of(IndexOperation::Remainder, both.0.clone(), both.1.clone()))?;
                 Some((rest.add(&both.0)?, both.1.clone()))
             }
         }
@@ -111,6 +114,8 @@ impl Pass {
             Some([plain.add(&other)?, plain.subtract(&size)?, plain])
         };
         let one = Index::integer(1);
-        self.runs(ahead) && self.runs(own) && distance().is_some_and(|distances| distances.contains(&one))
+        self.is_unit(ahead)
+            && self.is_unit(own)
+            && distance().is_some_and(|distances| distances.contains(&one))
     }
 }

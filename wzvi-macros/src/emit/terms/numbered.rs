@@ -4,8 +4,8 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::weighted::Nests;
-use super::{Wanted, arm};
+use super::weighted::ElementEmitter;
+use super::{Derivative, arm};
 use crate::describe::Texts;
 use crate::discretise::{Kinetic, Part, Sum, Weighted, unweighted};
 use crate::emit::count;
@@ -14,18 +14,18 @@ use crate::model::{Friction, System, Temperature, Term};
 
 /// The numbers of the parts after those of the step Hamiltonian: parts of the drift, friction, temperature,
 /// first integrals.
-pub(super) struct Numbers {
+pub(super) struct PartNumbers {
     pub(super) parts: usize,
     pub(super) friction: usize,
     pub(super) temperature: usize,
     pub(super) integrals: usize,
 }
 
-impl Numbers {
+impl PartNumbers {
     pub(super) fn of(model: &System) -> Self {
         let last = if model.force.is_some() { Part::Force } else { Part::CounterTerm };
         let parts = last as usize + 1;
-        let friction = parts + model.parts.len();
+        let friction = parts + model.summands.len();
         let temperature = friction + usize::from(model.friction.is_some());
         let integrals = temperature + usize::from(model.temperature.is_some());
         Self { parts, friction, temperature, integrals }
@@ -33,12 +33,12 @@ impl Numbers {
 }
 
 /// The terms with numbers of their own, and the quantities computed of them.
-fn numbered(model: &mut System) -> Vec<(usize, Wanted, Sum)> {
-    let numbers = Numbers::of(model);
-    let value = |number: usize, term: &Term| (number, Wanted::Value, unweighted(&term.values));
+fn numbered(model: &mut System) -> Vec<(usize, Derivative, Sum)> {
+    let numbers = PartNumbers::of(model);
+    let value = |number: usize, term: &Term| (number, Derivative::Value, unweighted(&term.values));
     let mut all = Vec::new();
-    for (number, term) in (numbers.parts..).zip(&model.parts) {
-        all.extend([value(number, term), (number, Wanted::Slopes, unweighted(&term.elements))]);
+    for (number, term) in (numbers.parts..).zip(&model.summands) {
+        all.extend([value(number, term), (number, Derivative::Gradient, unweighted(&term.elements))]);
     }
     let mut by_degree = |term: &Term| {
         let mut elements = unweighted(&term.elements);
@@ -52,14 +52,14 @@ fn numbered(model: &mut System) -> Vec<(usize, Wanted, Sum)> {
     };
     match &model.friction {
         Some(Friction { term, is_matrix: true, .. }) => {
-            all.push((numbers.friction, Wanted::Curvature, unweighted(&term.elements)));
+            all.push((numbers.friction, Derivative::Hessian, unweighted(&term.elements)));
         }
-        Some(Friction { term, .. }) => all.push((numbers.friction, Wanted::Slopes, by_degree(term))),
+        Some(Friction { term, .. }) => all.push((numbers.friction, Derivative::Gradient, by_degree(term))),
         None => {}
     }
     match &model.temperature {
         Some(Temperature { term, is_list: true, .. }) => {
-            all.push((numbers.temperature, Wanted::Slopes, by_degree(term)));
+            all.push((numbers.temperature, Derivative::Gradient, by_degree(term)));
         }
         Some(Temperature { term, .. }) => all.push(value(numbers.temperature, term)),
         None => {}
@@ -69,10 +69,10 @@ fn numbered(model: &mut System) -> Vec<(usize, Wanted, Sum)> {
 }
 
 /// The arms of the numbered terms, weighted by the step size except for first integrals.
-pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
-    let (weight, first_integral) = (wanted.step_size(None), Numbers::of(model).integrals);
-    let terms = numbered(model).into_iter().filter(|(_, known, _)| *known == wanted);
-    let mut nests = Nests { model, wanted };
+pub(super) fn arms(model: &mut System, derivative: Derivative) -> TokenStream {
+    let (weight, first_integral) = (derivative.step_size(None), PartNumbers::of(model).integrals);
+    let terms = numbered(model).into_iter().filter(|(_, known, _)| *known == derivative);
+    let mut nests = ElementEmitter { model, derivative };
     let arms = terms.map(|(number, _, sum)| {
         let weight = (number < first_integral).then_some(&weight);
         arm(number, None, &nests.group(&sum, weight))
@@ -86,7 +86,7 @@ pub(super) fn forms(model: &System, texts: &Texts) -> Option<TokenStream> {
         let form = format_ident!("{}", format!("{form:?}"));
         quote!(__wzvi::compose::Form::#form)
     });
-    let first = count(Numbers::of(model).parts);
+    let first = count(PartNumbers::of(model).parts);
     Some(quote!(__wzvi::Some((#first, [#(#forms),*]))))
 }
 
@@ -94,7 +94,7 @@ pub(super) fn forms(model: &System, texts: &Texts) -> Option<TokenStream> {
 pub(super) fn bath(model: &mut System) -> Option<TokenStream> {
     let kinetic = Kinetic::of(model);
     let (Some(friction), Some(Kinetic { is_diagonal })) = (&model.friction, kinetic) else { return None };
-    let numbers = Numbers::of(model);
+    let numbers = PartNumbers::of(model);
     let (number, bath) = (count(numbers.friction), quote!(__wzvi::bath::Friction));
     let temperature = match &model.temperature {
         Some(_) => {

@@ -1,4 +1,5 @@
-//! One lowered scheme: its operations, block by block.
+//! One lowered scheme: its operations, block by block. Tests: `tests/steps/reference.rs`,
+//! `tests/steps/accuracy.rs`.
 
 use std::collections::HashMap;
 
@@ -15,8 +16,8 @@ const STIFF: i32 = 2;
 pub(crate) enum Method {
     /// One linear unknown whose pivot never changes: its reciprocal is an input that `prepare` computes.
     Inverted,
-    /// One linear unknown whose pivot does not read the state: its reciprocal is computed once per step, off the
-    /// critical path from state to state.
+    /// One linear unknown whose pivot does not read the state: its reciprocal is computed once per step, off
+    /// the critical path from state to state.
     Reciprocal {
         /// Whether the pivot is at least 1 wherever it is defined.
         is_safe: bool,
@@ -59,7 +60,7 @@ impl Solve {
 }
 
 /// The program of one step, with the operations by role.
-pub(crate) struct Flow {
+pub(crate) struct StepProgram {
     pub(crate) program: Program,
     pub(crate) hints: HashMap<Op, String>,
     pub(crate) parameters: Vec<Op>,
@@ -77,7 +78,7 @@ pub(crate) struct Flow {
     pub(crate) is_deterministic: bool,
 }
 
-impl Flow {
+impl StepProgram {
     pub(crate) fn new(
         graph: &mut Graph,
         parameters: &[Parameter],
@@ -123,8 +124,8 @@ impl Flow {
         Self { program, hints, parameters, h, t, nodes, dw, solves, isolated, changes, is_deterministic }
     }
 
-    /// Whether compensated sums, six additions per component, cost less than 5 % of the step, with about two Newton
-    /// iterations.
+    /// Whether compensated sums, six additions per component, cost less than 5 % of the step, with about two
+    /// Newton iterations.
     pub(crate) fn affords_compensation(&self) -> bool {
         let price: usize =
             self.program.needed(&self.roots(), &|_| false).iter().map(|&op| self.program.price(op)).sum();
@@ -211,9 +212,10 @@ fn invert_constant_pivots(
     inverses
 }
 
-/// Gives every point `base + w x` that reads the unknown `x = rhs / pivot` a second form, `(w rhs + pivot base) / pivot`,
-/// for pivots above [`STIFF`]: a stiff force reverses the state within the step, `w x` is nearly `-base`, and their sum
-/// would lose all digits. Only if the pivot cancels in the sum, so that the sum is formed without rounding.
+/// Gives every point `base + w x` that reads the unknown `x = rhs / pivot` a second form,
+/// `(w rhs + pivot base) / pivot`, for pivots above [`STIFF`]: a stiff force reverses the state within the
+/// step, `w x` is nearly `-base`, and their sum would lose all digits. Only if the pivot cancels in the sum,
+/// so that the sum is formed without rounding.
 fn solve_for_points(
     graph: &mut Graph,
     symbols: &StepSymbols,

@@ -10,14 +10,14 @@ use crate::emit::system::count;
 
 /// By type: numbers and truths of the state, and those of constants.
 #[derive(Default)]
-pub(super) struct Given {
+pub(super) struct BlockInputs {
     numbers: Vec<Ident>,
     masks: Vec<Ident>,
     constants: Vec<Ident>,
     truths: Vec<Ident>,
 }
 
-impl Given {
+impl BlockInputs {
     pub(super) fn new(program: &Program, printer: &Printer<'_>, roots: &[Op], unknowns: &[Op]) -> Self {
         let read = program.frontier(roots, &|op| printer.is_bound(op));
         let mut given = Self::default();

@@ -4,7 +4,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::chunk::{Pass, gathers, partners};
+use super::chunk::{InnerLoop, gathers, partners};
 use crate::discretise::{PartElements, unweighted};
 use crate::emit::plan::degrees;
 use crate::indices::Indices;
@@ -15,14 +15,14 @@ use crate::symbolic::{Expr, Function, Node, Symbol};
 /// All elements that slopes are taken of.
 fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<Item = &'a Element> {
     let of_parts = parts.iter().flat_map(|part| &part.elements).map(|weighted| &weighted.element);
-    of_parts.chain(model.parts.iter().flat_map(|term| &term.elements))
+    of_parts.chain(model.summands.iter().flat_map(|term| &term.elements))
 }
 
 /// Whether the system can be stepped window by window, and is large enough if its size is known at compile
 /// time; `None` if not.
-pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
+pub(super) fn allows_tiles(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
     let has_loops = model.degrees_in_straight_lines().is_none();
-    let are_local = has_loops && have_runs(model, parts) && move_what_they_read(model, parts);
+    let are_local = has_loops && is_contiguous(model, parts) && acts_on_all_it_reads(model, parts);
     match (&model.shape, degrees(model)) {
         (Shape::Array(..), degrees) if are_local => Some(match degrees {
             Some(degrees) => quote!(#degrees >= __wzvi::elements::LEAST_IN_WINDOWS),
@@ -34,12 +34,12 @@ pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<To
 
 /// Whether elements that read coordinates add to adjacent places or points, and those that read momenta read
 /// one place or point each and add to it.
-fn have_runs(model: &System, parts: &[PartElements]) -> bool {
-    let pass = |inner: &Loop| Pass { variable: inner.variable, components: model.components };
+fn is_contiguous(model: &System, parts: &[PartElements]) -> bool {
+    let inner_loop = |inner: &Loop| InnerLoop { variable: inner.variable, components: model.components };
     // The places of placements, if they are adjacent.
     let stretch_of = |element: &Element, index: &Index| match element.loops.last() {
         None => Some((0, index.clone())),
-        Some(inner) => pass(inner).stretch(index),
+        Some(inner) => inner_loop(inner).range(index),
     };
     if model.conformal.is_some() {
         return false;
@@ -65,7 +65,7 @@ fn have_runs(model: &System, parts: &[PartElements]) -> bool {
 
 /// Whether no element reads a coordinate without acting on it. Then an element reads only windows to which it
 /// contributes.
-fn move_what_they_read(model: &mut System, parts: &[PartElements]) -> bool {
+fn acts_on_all_it_reads(model: &mut System, parts: &[PartElements]) -> bool {
     let read = |element: &Element| -> Vec<(Expr, Symbol)> {
         element.coordinates().map(|(symbol, _)| (element.value, symbol)).collect()
     };
@@ -77,10 +77,10 @@ fn move_what_they_read(model: &mut System, parts: &[PartElements]) -> bool {
 }
 
 /// Whether slopes of some elements are computed in rows of pairs.
-pub(super) fn have_pairs(model: &System, parts: &[PartElements]) -> bool {
+pub(super) fn has_pairs(model: &System, parts: &[PartElements]) -> bool {
     let indices = Indices::unchecked(&model.tables);
     let of_parts = parts.iter().flat_map(|part| part.elements.iter().cloned());
-    let of_drift = model.parts.iter().flat_map(|term| unweighted(&term.elements));
+    let of_drift = model.summands.iter().flat_map(|term| unweighted(&term.elements));
     of_parts.chain(of_drift).any(|weighted| partners(&weighted, &indices, model.components).is_some())
 }
 
@@ -98,13 +98,13 @@ pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenSt
 
 /// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or
 /// points, and nothing else.
-pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool {
+pub(super) fn has_uniform_velocity(model: &System, parts: &[PartElements]) -> bool {
     let mut read = elements(model, parts).filter(|element| element.reads().p);
     let (Some(element), None) = (read.next(), read.next()) else { return false };
     let [only] = element.loops.as_slice() else { return false };
     let is_all = only.start == Index::default() && only.end == model.size;
-    let pass = Pass { variable: only.variable, components: model.components };
-    let point = |index: &Index| pass.stretch(index).map(|(_, base)| base);
+    let inner_loop = InnerLoop { variable: only.variable, components: model.components };
+    let point = |index: &Index| inner_loop.range(index).map(|(_, base)| base);
     let first = Index::atom(Atom::Loop(only.variable)).multiply(&Index::integer(model.components));
     let read: Vec<&Index> = element.momenta().map(|(_, index)| index).collect();
     let is_each = i128::try_from(read.len()) == Ok(model.components);
