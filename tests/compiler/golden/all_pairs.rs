@@ -228,7 +228,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -237,7 +237,7 @@ const _: () = {
             let size = (at.degrees() / 2) as isize;
             match part {
                 0 => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<2, _>(0, size, [0]) {
                             let first0 = (2 * i0) as usize;
@@ -257,7 +257,7 @@ const _: () = {
                             }
                         }
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let g = T::of_constant(g);
                         struct Interaction;
                         impl Pair<5, 2, 1, 2> for Interaction {
@@ -335,9 +335,9 @@ const _: () = {
     impl Conservative for Bodies {}
     wzvi::bindings! {
         at b0 by_p by_q difference difference2 factor first0 first1 g i0 i1 i2 index
-        inverse len list mass_i mass_j outer p_2i p_2i_plus_1 part place points0 points1
-        product product2 product3 product4 q_2i q_2i_plus_1 q_2j q_2j_plus_1 range s2 s5
-        size sum table total wanted weight
+        inverse len list mass_i mass_j outer p_2i p_2i_plus_1 part partials place points0
+        points1 product product2 product3 product4 q_2i q_2i_plus_1 q_2j q_2j_plus_1
+        range s2 s5 size sum table total weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

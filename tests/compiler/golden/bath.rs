@@ -99,14 +99,14 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             let m = at.parameter(0, self.m);
             match part {
                 0 => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let inverse_m = T::of_constant(m.recip());
                         let factor = T::of_constant(at.h);
                         let px = T::of(at.p[0]);
@@ -114,7 +114,7 @@ const _: () = {
                         by_p.add(0, inverse_m * (px * factor));
                         by_p.add(1, py * factor);
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let factor = T::of_constant(at.h);
                         let x = T::of(at.q[0]);
                         let y = T::of(at.q[1]);
@@ -132,13 +132,13 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S>,
-            wanted: Slopes,
+            partials: Slopes,
             into: &mut impl FnMut(By, [usize; 2], bool, S),
         ) {
             let gamma = at.parameter(1, self.gamma);
             match part {
                 3 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let gamma = S::of_constant(gamma);
                         let factor = S::of_constant(at.h);
                         let minus = -(factor * gamma);
@@ -194,8 +194,8 @@ const _: () = {
     }
     wzvi::bindings! {
         at by_p by_q coordinates difference difference_squared factor gamma h increments
-        index into inverse_m kt lift m minus minus2 momenta parameters part product px py
-        t wanted weight x y
+        index into inverse_m kt lift m minus minus2 momenta parameters part partials
+        product px py t weight x y
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -91,7 +91,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -99,7 +99,7 @@ const _: () = {
             let stiffness = at.parameter(1, self.stiffness);
             match part {
                 0 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let condition = Scalar::less(
                             <T::Constant as Scalar>::from_f64(0.0),
                             stiffness,
@@ -120,7 +120,7 @@ const _: () = {
                                     )),
                         );
                     }
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
@@ -252,7 +252,7 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q carry condition condition2 coordinates delta_p delta_q difference
         edge effort factor h half_h half_stiffness increments index lift memory momenta
-        next node_p p part prepared product q stage_q stiffness t taken unknowns wanted
+        next node_p p part partials prepared product q stage_q stiffness t taken unknowns
         weight
     }
 };

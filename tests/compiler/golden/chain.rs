@@ -130,7 +130,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -139,7 +139,7 @@ const _: () = {
             let size = at.degrees() as isize;
             match part {
                 0 => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
                             let first0 = i0 as usize;
@@ -151,7 +151,7 @@ const _: () = {
                             }
                         }
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let beta = T::of_constant(beta);
                         let factor = T::of_constant(at.h);
                         if let (i1, len @ 1..) = by_q
@@ -178,7 +178,7 @@ const _: () = {
                             by_q.add(at1, carried1);
                         }
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let beta = T::of_constant(beta);
                         let factor = T::of_constant(at.h);
                         if by_q.clip::<1, _>(1, [0]).1 > 0 {
@@ -195,14 +195,14 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S>,
-            wanted: Slopes,
+            partials: Slopes,
             into: &mut impl FnMut(By, [usize; 2], bool, S),
         ) {
             let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
             match part {
                 0 => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = S::of_constant(at.h);
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
@@ -211,7 +211,7 @@ const _: () = {
                             }
                         }
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let three_beta = S::of_constant(beta * 3.0);
                         let factor = S::of_constant(at.h);
                         if let (i1, len @ 1..) = wzvi::elements::stretch(0, size - 1) {
@@ -242,7 +242,7 @@ const _: () = {
                             }
                         }
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let three_beta = S::of_constant(beta * 3.0);
                         let factor = S::of_constant(at.h);
                         let q0 = at.q[0];
@@ -279,8 +279,8 @@ const _: () = {
     impl Conservative for Chain {}
     wzvi::bindings! {
         ahead at at1 b0 b1 beta by_p by_q carried1 difference difference_squared factor
-        first0 first1 i0 i1 index into len p_i part place product q0 q0_squared q_i
-        q_i_plus_1 quarter_beta s0 s1 size three_beta total wanted weight
+        first0 first1 i0 i1 index into len p_i part partials place product q0 q0_squared
+        q_i q_i_plus_1 quarter_beta s0 s1 size three_beta total weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

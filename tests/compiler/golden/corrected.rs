@@ -101,26 +101,26 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             let sigma = at.parameter(0, self.sigma);
             match part {
                 0 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
                         by_q.add(0, q * factor);
                     }
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
                     }
                 }
                 1 if at.acting.contains(&0) => {
-                    if (wanted.by_q || wanted.by_p) {
+                    if (partials.by_q || partials.by_p) {
                         let sigma = T::of_constant(sigma);
                         let factor = T::of(at.increment(0));
                         let q = T::of(at.q[0]);
@@ -130,7 +130,7 @@ const _: () = {
                     }
                 }
                 2 => {
-                    if (wanted.by_q || wanted.by_p) {
+                    if (partials.by_q || partials.by_p) {
                         let sigma_squared = T::of_constant(sigma * sigma);
                         let factor = T::of(at.increment(0)) * T::of(at.increment(0))
                             * weight;
@@ -202,8 +202,8 @@ const _: () = {
     }
     wzvi::bindings! {
         at by_p by_q carry coordinates delta_p delta_q dw factor h half_sigma increments
-        index inverse_pivot lift memory momenta next node_p p part prepared product
-        product2 q sigma sigma_squared t wanted weight
+        index inverse_pivot lift memory momenta next node_p p part partials prepared
+        product product2 q sigma sigma_squared t weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -127,7 +127,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -136,34 +136,34 @@ const _: () = {
             let t = at.t;
             match part {
                 0 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let omega_squared = T::of_constant(omega * omega);
                         let product = T::of_constant(epsilon * 3.0 * t.cos());
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
                         by_q.add(0, factor * (q * (omega_squared + q * product)));
                     }
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
                     }
                 }
                 3 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let omega_squared = T::of_constant(omega * omega);
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
                         by_q.add(0, omega_squared * (q * factor));
                     }
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
                     }
                 }
                 4 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let product = T::of_constant(epsilon * 3.0 * t.cos());
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
@@ -221,7 +221,7 @@ const _: () = {
     }
     wzvi::bindings! {
         at by_p by_q coordinates epsilon factor h increments index k lift momenta omega
-        omega_squared p parameters part product product2 q t wanted weight
+        omega_squared p parameters part partials product product2 q t weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -107,7 +107,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -117,13 +117,13 @@ const _: () = {
             let scale = at.scale;
             match part {
                 0 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let scale = T::of_constant(scale);
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
                         by_q.add(0, scale * (factor * q.sin()));
                     }
-                    if wanted.by_p {
+                    if partials.by_p {
                         let inverse_scale = scale.recip();
                         let product = T::of_constant(
                             inverse_scale * inverse_scale * scale,
@@ -134,14 +134,14 @@ const _: () = {
                     }
                 }
                 3 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let product = T::of_constant((t * 2.0).cos() * scale * push);
                         let factor = T::of_constant(at.h);
                         by_q.add(0, -(factor * product));
                     }
                 }
                 4 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let gamma = T::of_constant(gamma);
                         let factor = T::of_constant(at.h);
                         by_q.add(0, -(factor * gamma));
@@ -271,8 +271,8 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q carry coordinates cos cos_stage_q delta_p delta_q effort exp exp_m1
         factor gamma h half_h increments index inverse_scale lift memory momenta next
-        node_p p parameters part prepared product product2 product3 product4 product5
-        push q quotient quotient2 scale sin_stage_q stage_q t taken unknowns wanted
+        node_p p parameters part partials prepared product product2 product3 product4
+        product5 push q quotient quotient2 scale sin_stage_q stage_q t taken unknowns
         weight
     }
 };

@@ -152,7 +152,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -160,7 +160,7 @@ const _: () = {
             let k = at.parameter(0, self.k);
             match part {
                 0 => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<2, _>(0, N as isize, [0])
                         {
@@ -178,7 +178,7 @@ const _: () = {
                             }
                         }
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let k = T::of_constant(k);
                         let mut b3 = [T::from_f64(0.0); 256];
                         let mut b1 = [T::from_f64(0.0); 256];
@@ -287,9 +287,9 @@ const _: () = {
     impl<const N: usize> Conservative for Lattice<{ N }> {}
     wzvi::bindings! {
         at b0 b1 b3 by_p by_q difference end factor first0 first1 from half_k i0 i1 index
-        k len most next p_2i p_2i_plus_1 part place points0 points1 points2 product
-        product2 q_2_i_plus_1_mod_N q_2_i_plus_1_mod_N_plus_1 q_2i q_2i_plus_1 run sin
-        skip skipped taken total until wanted weight
+        k len most next p_2i p_2i_plus_1 part partials place points0 points1 points2
+        product product2 q_2_i_plus_1_mod_N q_2_i_plus_1_mod_N_plus_1 q_2i q_2i_plus_1
+        run sin skip skipped taken total until weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

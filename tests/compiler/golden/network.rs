@@ -225,7 +225,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -233,7 +233,7 @@ const _: () = {
             let size = at.degrees() as isize;
             match part {
                 0 => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
                             let first0 = i0 as usize;
@@ -245,7 +245,7 @@ const _: () = {
                             }
                         }
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         struct Interaction;
                         impl Pair<1, 0, 3, 2> for Interaction {
                             #[cfg_attr(not(debug_assertions), inline(always))]
@@ -366,8 +366,8 @@ const _: () = {
     impl Conservative for Network {}
     wzvi::bindings! {
         at b0 block by_p by_q entry factor few first first0 i0 i1 inner integer lane len
-        list list0 list1 o0 outer p_i part place product q_bonds_i_0 q_bonds_i_1 range s0
-        sin size slope0 slope1 strength_i table total wanted weight
+        list list0 list1 o0 outer p_i part partials place product q_bonds_i_0 q_bonds_i_1
+        range s0 sin size slope0 slope1 strength_i table total weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -91,20 +91,20 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             match part {
                 0 => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let px = T::of(at.p[0]);
                         let py = T::of(at.p[1]);
                         by_p.add(0, px * factor);
                         by_p.add(1, py * factor);
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let factor = T::of_constant(at.h);
                         let x = T::of(at.q[0]);
                         let y = T::of(at.q[1]);
@@ -226,8 +226,8 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q carry coordinates delta_px delta_py delta_x delta_y effort factor h
         h_squared half_h half_h_squared increments lift memory momenta next node_px
-        node_py part prepared product px py quarter_h_squared stage_x stage_y sum t taken
-        twice_stage_y unknowns wanted weight x x_squared y y_squared
+        node_py part partials prepared product px py quarter_h_squared stage_x stage_y
+        sum t taken twice_stage_y unknowns weight x x_squared y y_squared
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

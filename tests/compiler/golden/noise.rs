@@ -138,7 +138,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -146,13 +146,13 @@ const _: () = {
             let sigma = at.parameter(1, self.sigma);
             match part {
                 0 => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let a = T::of_constant(a);
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, a * (p * factor));
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let a = T::of_constant(a);
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
@@ -160,13 +160,13 @@ const _: () = {
                     }
                 }
                 1 if at.acting.contains(&0) => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let sigma = T::of_constant(sigma);
                         let factor = T::of(at.increment(0));
                         let p = T::of(at.p[0]);
                         by_p.add(0, sigma * (p * factor));
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let sigma = T::of_constant(sigma);
                         let factor = T::of(at.increment(0));
                         let q = T::of(at.q[0]);
@@ -293,7 +293,7 @@ const _: () = {
     wzvi::bindings! {
         a a_h at by_p by_q carry coordinates delta_p delta_q dw factor h half_a
         half_sigma increments index inverse_pivot lift memory momenta next node_p p part
-        prepared product q sigma sum sum2 t wanted weight
+        partials prepared product q sigma sum sum2 t weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

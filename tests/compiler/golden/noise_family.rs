@@ -153,7 +153,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -162,7 +162,7 @@ const _: () = {
             let size = at.degrees() as isize;
             match part {
                 0 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_q.stretch::<1, _>(0, size, [0]) {
                             let first0 = i0 as usize;
@@ -174,7 +174,7 @@ const _: () = {
                             }
                         }
                     }
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
                             let first0 = i0 as usize;
@@ -188,7 +188,7 @@ const _: () = {
                     }
                 }
                 1 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let sigma = T::of_constant(sigma);
                         let i1: isize = Ord::max(0, at.acting.start as isize);
                         if let (i1, len @ 1..) = by_q
@@ -219,13 +219,13 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S>,
-            wanted: Slopes,
+            partials: Slopes,
             into: &mut impl FnMut(By, [usize; 2], bool, S),
         ) {
             let size = at.degrees() as isize;
             match part {
                 0 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let factor = S::of_constant(at.h);
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
@@ -234,7 +234,7 @@ const _: () = {
                             }
                         }
                     }
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = S::of_constant(at.h);
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
@@ -266,8 +266,8 @@ const _: () = {
         });
     }
     wzvi::bindings! {
-        at b0 by_p by_q factor first0 i0 i1 index into len outer p_i part place q_i range
-        s0 s1 sigma size table wanted weight
+        at b0 by_p by_q factor first0 i0 i1 index into len outer p_i part partials place
+        q_i range s0 s1 sigma size table weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -109,7 +109,7 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -119,7 +119,7 @@ const _: () = {
             let c = at.parameter(3, self.c);
             match part {
                 0 => {
-                    if wanted.by_p {
+                    if partials.by_p {
                         let inverse_m = T::of_constant(m.recip());
                         let inverse_n = T::of_constant(n.recip());
                         let factor_ = T::of_constant(at.h);
@@ -128,7 +128,7 @@ const _: () = {
                         by_p.add(0, inverse_m * (px * factor_));
                         by_p.add(1, inverse_n * (py * factor_));
                     }
-                    if wanted.by_q {
+                    if partials.by_q {
                         let k = T::of_constant(k);
                         let c = T::of_constant(c);
                         let factor_ = T::of_constant(at.h);
@@ -235,8 +235,8 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q c carry coordinates delta_px delta_py delta_x delta_y factor factor_
         h h_squared half_h half_k increments index inverse_m inverse_n k lift m memory
-        momenta n next node_px node_py part prepared product product2 px py quotient
-        quotient2 quotient3 quotient4 sum sum2 t wanted weight x y
+        momenta n next node_px node_py part partials prepared product product2 px py
+        quotient quotient2 quotient3 quotient4 sum sum2 t weight x y
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

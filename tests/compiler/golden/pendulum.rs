@@ -80,20 +80,20 @@ const _: () = {
             part: usize,
             weight: f64,
             at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            partials: Slopes,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             let omega = at.parameter(0, self.omega);
             match part {
                 0 => {
-                    if wanted.by_q {
+                    if partials.by_q {
                         let omega_squared = T::of_constant(omega * omega);
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
                         by_q.add(0, omega_squared * (factor * q.sin()));
                     }
-                    if wanted.by_p {
+                    if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
@@ -187,7 +187,7 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q carry coordinates cos_stage_q delta_p delta_q effort factor h half_h
         increments index lift memory momenta next node_p omega omega_squared p part
-        prepared product product2 q sin_stage_q stage_q t taken unknowns wanted weight
+        partials prepared product product2 q sin_stage_q stage_q t taken unknowns weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
