@@ -86,6 +86,16 @@ impl Default for Report {
     }
 }
 
+impl Report {
+    /// That of both: what the first says, or else the second, with the work of both.
+    pub(crate) fn and(self, Self { pinned, method, linear_work, .. }: Self) -> Self {
+        let mut both = Self { method: self.method.or(method), ..self };
+        both.pinned = if both.pinned == Iteration::Automatic { pinned } else { both.pinned };
+        both.linear_work += linear_work;
+        both
+    }
+}
+
 /// Data that one step keeps for the starting value of the next.
 pub trait StepMemory: Clone + Debug + Default + Numbers {
     /// Carries out a request, as far as it concerns this memory.
@@ -159,39 +169,98 @@ impl<M: StepMemory> StepMemory for Vec<M> {
     }
 }
 
+/// The methods of a memory that consists of others, its parts, and of results of the last step.
+macro_rules! of_parts {
+    (($($part:tt)*) $($result:ident)*) => {
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn tell(&mut self, request: &$crate::algebra::memory::Request) {
+            let _ = request;
+            $(self.$part.tell(request);)*
+        }
+
+        fn goes_side_by_side(&self) -> bool {
+            true $(&& self.$part.goes_side_by_side())*
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn adopt(&mut self, left: Self) {
+            let _ = &left;
+            $(self.$part.adopt(left.$part);)*
+            $(self.$result = left.$result;)*
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn copy(&mut self, other: &Self) {
+            let _ = other;
+            $(self.$part.copy(&other.$part);)*
+            $(self.$result.clone_from(&other.$result);)*
+        }
+
+        /// The first that says something, with the work of all.
+        fn report(&self) -> $crate::algebra::memory::Report {
+            [$(self.$part.report()),*].into_iter().fold(
+                $crate::algebra::memory::Report::default(),
+                $crate::algebra::memory::Report::and,
+            )
+        }
+    };
+}
+
+pub(crate) use of_parts;
+
+/// [`StepMemory`] of a struct of memories, with `Clone` and [`Numbers`], from the list of its fields:
+///
+/// ```text
+/// step_memory! { impl[S: Scalar, M: StepMemory] StepMemory for Memory<S, M> { kept: parts; scratch: start, dw } }
+/// ```
+///
+/// | list | its fields | checkpoints | copies | requests |
+/// |---|---|---|---|---|
+/// | `kept` | memories | yes | yes | passed on |
+/// | `result` | of the last step, read before the next one | no | yes | |
+/// | `scratch` | mean nothing outside their step | no | no: the copy has its own | |
+///
+/// A field in none of the lists does not compile. Lanes take what checkpoints have, one path at a time.
+macro_rules! step_memory {
+    (
+        impl[$($generics:tt)*] StepMemory for $type:ty {
+            kept: $($kept:ident),*
+            $(; result: $($result:ident),+)?
+            $(; scratch: $($scratch:ident),+)?
+        }
+    ) => {
+        $crate::ground::numbers::numbers! {
+            impl[$($generics)*] Numbers for $type {
+                kept: $($kept),* $(; result: $($result),+)? $(; scratch: $($scratch),+)?
+            }
+        }
+
+        impl<$($generics)*> Clone for $type {
+            fn clone(&self) -> Self {
+                Self {
+                    $($kept: self.$kept.clone(),)*
+                    $($($result: self.$result.clone(),)+)?
+                    $($($scratch: Default::default(),)+)?
+                }
+            }
+
+            fn clone_from(&mut self, other: &Self) {
+                $crate::algebra::memory::StepMemory::copy(self, other);
+            }
+        }
+
+        impl<$($generics)*> $crate::algebra::memory::StepMemory for $type {
+            $crate::algebra::memory::of_parts! { ($($kept)*) $($($result)+)? }
+        }
+    };
+}
+
+pub(crate) use step_memory;
+
 macro_rules! tuples {
     ($(($($part:ident $place:tt)+))+) => {$(
         impl<$($part: StepMemory),+> StepMemory for ($($part,)+) {
-            #[cfg_attr(not(debug_assertions), inline(always))]
-            fn tell(&mut self, request: &Request) {
-                $(self.$place.tell(request);)+
-            }
-
-            fn goes_side_by_side(&self) -> bool {
-                true $(&& self.$place.goes_side_by_side())+
-            }
-
-            #[cfg_attr(not(debug_assertions), inline(always))]
-            fn adopt(&mut self, left: Self) {
-                $(self.$place.adopt(left.$place);)+
-            }
-
-            #[cfg_attr(not(debug_assertions), inline(always))]
-            fn copy(&mut self, other: &Self) {
-                $(self.$place.copy(&other.$place);)+
-            }
-
-            /// The first that says something, with the work of all.
-            fn report(&self) -> Report {
-                let mut all = Report::default();
-                $(
-                    let Report { pinned, method, linear_work, .. } = self.$place.report();
-                    all.pinned = if all.pinned == Iteration::Automatic { pinned } else { all.pinned };
-                    all.method = all.method.or(method);
-                    all.linear_work += linear_work;
-                )+
-                all
-            }
+            of_parts! { ($($place)+) }
         }
     )+};
 }

@@ -2,6 +2,8 @@
 //!
 //! With `s + x = r + e` exactly, `r` the rounded sum, Neumaier's method keeps the errors `e` and adds them at the end.
 
+use crate::ground::numbers::{Numbers, Tape, numbers};
+
 /// One compensated sum.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sum {
@@ -22,13 +24,9 @@ impl Sum {
     pub(crate) fn total(self) -> f64 {
         self.rounded + self.lost
     }
-
-    /// What a checkpoint keeps.
-    pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
-        let Self { rounded, lost } = self;
-        tape.numbers([rounded, lost]);
-    }
 }
+
+numbers! { impl[] Numbers for Sum { kept: rounded, lost } }
 
 /// Several at once, with their totals at hand.
 #[derive(Clone, Debug)]
@@ -55,7 +53,7 @@ impl Sums {
     }
 
     /// What a checkpoint keeps.
-    pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
+    pub(crate) fn pass(&mut self, tape: &mut Tape) {
         for (sum, total) in self.sums.iter_mut().zip(&mut self.totals) {
             sum.pass(tape);
             *total = sum.total();

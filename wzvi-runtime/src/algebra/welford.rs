@@ -3,7 +3,7 @@
 //! B. P. Welford, Technometrics 4 (1962) 419; merged as in T. F. Chan, G. H. Golub, R. J. LeVeque, "Updating formulae and a
 //! pairwise algorithm for computing sample variances", 1979.
 
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::numbers;
 
 /// Mean and variance of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,9 +63,4 @@ impl Welford {
     }
 }
 
-impl Numbers for Welford {
-    fn pass(&mut self, tape: &mut Tape) {
-        tape.word(&mut self.count);
-        tape.numbers([&mut self.mean, &mut self.squares]);
-    }
-}
+numbers! { impl[] Numbers for Welford { kept: count, mean, squares } }

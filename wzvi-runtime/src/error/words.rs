@@ -1,7 +1,7 @@
 //! Why a step failed, as words: for checkpoints and messages.
 
-use super::{BathError, FailedLanes, IndexError, IndexLimit, Name, StepFailure, StepPromise};
-use crate::ground::numbers::Tape;
+use super::{BathError, FailedLanes, IndexError, IndexLimit, Name, StepError, StepFailure, StepPromise};
+use crate::ground::numbers::{Numbers, Tape, numbers};
 
 /// Where those of a bath begin.
 const BATH: u64 = 9;
@@ -15,8 +15,10 @@ const INFINITE: u64 = LANES - 4;
 const UNDECIDED: u64 = LANES - 5;
 const UNDEFINED: u64 = LANES - 6;
 
-impl StepFailure {
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
+numbers! { impl[] Numbers for StepError { kept: step, t, h, cause } }
+
+impl Numbers for StepFailure {
+    fn pass(&mut self, tape: &mut Tape) {
         let mut words = self.words();
         tape.words(&mut words);
         match Self::from_words(words) {
@@ -24,7 +26,9 @@ impl StepFailure {
             None => tape.refuse(),
         }
     }
+}
 
+impl StepFailure {
     /// Which one, and its two values.
     fn words(self) -> [u64; 3] {
         match self {

@@ -76,6 +76,47 @@ impl<T: Numbers + Default> Numbers for Vec<T> {
     }
 }
 
+/// `Numbers` of a struct from the list of its fields:
+///
+/// ```text
+/// numbers! { impl[M: Numbers, S] Numbers for Memory<S, M> { kept: parts; scratch: start, dw } }
+/// ```
+///
+/// | list | its fields |
+/// |---|---|
+/// | `kept` | in checkpoints, in this order; of `name[..]` each entry, as many as there are, without their number |
+/// | `fixed` | follow from the system and the settings of the run, which are the same when it is resumed |
+/// | `result` | say something about the last step, and are read before the next one |
+/// | `scratch` | mean nothing outside their step, or their chunk of paths |
+///
+/// A field in none of the lists does not compile.
+macro_rules! numbers {
+    (
+        impl[$($generics:tt)*] Numbers for $type:ty {
+            kept: $($kept:ident $([$entries:tt])?),*
+            $(; fixed: $($fixed:ident),+)?
+            $(; result: $($result:ident),+)?
+            $(; scratch: $($scratch:ident),+)?
+        }
+    ) => {
+        impl<$($generics)*> $crate::ground::numbers::Numbers for $type {
+            fn pass(&mut self, tape: &mut $crate::ground::numbers::Tape) {
+                let Self { $($kept,)* $($($fixed: _,)+)? $($($result: _,)+)? $($($scratch: _,)+)? } = self;
+                let _ = &tape;
+                $($crate::ground::numbers::numbers!(@pass tape, $kept $([$entries])?);)*
+            }
+        }
+    };
+    (@pass $tape:ident, $kept:ident) => {
+        $crate::ground::numbers::Numbers::pass($kept, $tape)
+    };
+    (@pass $tape:ident, $kept:ident [..]) => {
+        $kept.iter_mut().for_each(|entry| $crate::ground::numbers::Numbers::pass(entry, $tape))
+    };
+}
+
+pub(crate) use numbers;
+
 /// For all tuples that generated code has, by names and places of their parts: as long as those for which the
 /// standard library has `Default` and `Debug`, which a memory needs as well.
 macro_rules! for_tuples {

@@ -4,7 +4,7 @@
 
 use crate::error::{ConfigError, wrong};
 use crate::ground::digits::Brief;
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::numbers;
 
 /// A limit on the number of bins, 128 MiB of them.
 const MOST_BINS: usize = 1 << 24;
@@ -139,13 +139,7 @@ impl Histogram {
     }
 }
 
-/// The counts; the bins are known.
-impl Numbers for Histogram {
-    fn pass(&mut self, tape: &mut Tape) {
-        tape.words(&mut self.counts);
-        tape.words([&mut self.below, &mut self.above, &mut self.undefined]);
-    }
-}
+numbers! { impl[] Numbers for Histogram { kept: counts[..], below, above, undefined; fixed: lower, upper } }
 
 #[cfg(test)]
 mod tests {

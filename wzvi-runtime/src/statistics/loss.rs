@@ -7,7 +7,7 @@ use std::fmt;
 use super::run::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
 use crate::error::{StepError, StepFailure, messages};
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::{Numbers, Tape, numbers};
 use crate::saving::table::Rows;
 
 /// Failed paths that are kept with their errors; further ones are only counted.
@@ -28,13 +28,7 @@ impl PathFailure {
         Self { path: 0, error: StepError { step: 0, t: 0.0, h: 0.0, cause: StepFailure::NonFinite } };
 }
 
-impl Numbers for PathFailure {
-    fn pass(&mut self, tape: &mut Tape) {
-        tape.words([&mut self.path, &mut self.error.step]);
-        tape.numbers([&mut self.error.t, &mut self.error.h]);
-        self.error.cause.pass(tape);
-    }
-}
+numbers! { impl[] Numbers for PathFailure { kept: path, error } }
 
 /// How many paths failed, and the first of them.
 #[derive(Clone, Debug, Default, PartialEq)]

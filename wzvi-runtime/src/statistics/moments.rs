@@ -2,7 +2,7 @@
 //!
 //! Tested by `tests/ensembles/statistics.rs`.
 
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::{Numbers, Tape, numbers};
 
 /// How often the largest deviation of a sample may come again without having been expected: ten times more
 /// than it was seen is the 95 % bound of Poisson's law for events that were seen 25 times, and beyond it for
@@ -308,15 +308,14 @@ impl Moments {
     }
 }
 
-impl Numbers for Moments {
+numbers! { impl[] Numbers for Moments { kept: count, comoment[..], of_each[..]; fixed: has_covariances } }
+
+impl Numbers for Summary {
     fn pass(&mut self, tape: &mut Tape) {
-        tape.word(&mut self.count);
-        tape.numbers(&mut self.comoment);
-        for Summary { scale, mean, extremes, not_finite: (count, sum) } in &mut self.of_each {
-            tape.word(count);
-            tape.numbers([scale, mean, sum]);
-            tape.numbers(&mut extremes.0);
-        }
+        let Self { scale, mean, extremes, not_finite: (count, sum) } = self;
+        tape.word(count);
+        tape.numbers([scale, mean, sum]);
+        tape.numbers(&mut extremes.0);
     }
 }
 

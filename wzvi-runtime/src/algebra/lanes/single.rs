@@ -8,7 +8,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use super::elementary;
 use crate::algebra::scalar::{Mask, Number, Scalar, Special};
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::{Numbers, Tape, numbers};
 
 /// A number; unless it `STANDS_ALONE`, NaN where a function meets a rare argument.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,12 +72,7 @@ impl Not for KnownTruth {
     }
 }
 
-impl Numbers for KnownTruth {
-    fn pass(&mut self, tape: &mut Tape) {
-        tape.flag(&mut self.truth);
-        tape.flag(&mut self.is_known);
-    }
-}
+numbers! { impl[] Numbers for KnownTruth { kept: truth, is_known } }
 
 impl Mask for KnownTruth {
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -10,7 +10,7 @@ use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Number, Scalar, Special};
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::numbers;
 
 /// Functions that numbers with additional parts compute from value and slope alone; `$with` takes these two.
 macro_rules! functions_by_slope {
@@ -202,12 +202,7 @@ impl<const N: usize, S: Scalar> Div<f64> for Dual<N, S> {
     }
 }
 
-impl<const N: usize, S: Scalar> Numbers for Dual<N, S> {
-    fn pass(&mut self, tape: &mut Tape) {
-        self.value.pass(tape);
-        self.derivative.pass(tape);
-    }
-}
+numbers! { impl[const N: usize, S: Scalar] Numbers for Dual<N, S> { kept: value, derivative } }
 
 impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     type Stages<const M: usize> = [Self; M];

@@ -10,7 +10,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::dual::{functions_by_slope, one_minus_square};
 use super::{Number, Scalar, Special};
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::numbers;
 
 /// Twice the largest rounding error of one operation: the bound also holds where the errors of many add up.
 const EPSILON: f64 = f64::EPSILON;
@@ -60,12 +60,7 @@ fn spread(error: f64, slope: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error * slope.abs() }
 }
 
-impl Numbers for Rounded {
-    fn pass(&mut self, tape: &mut Tape) {
-        self.value.pass(tape);
-        self.error.pass(tape);
-    }
-}
+numbers! { impl[] Numbers for Rounded { kept: value, error } }
 
 impl Neg for Rounded {
     type Output = Self;

@@ -13,12 +13,11 @@ use std::array::from_fn;
 use nalgebra::DVector;
 
 use crate::algebra::carry::Plain;
-use crate::algebra::memory::{Request, StepMemory};
+use crate::algebra::memory::{StepMemory, step_memory};
 use crate::algebra::scalar::{Constant, Dual, Mask, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
-use crate::ground::numbers::{Numbers, Tape};
 use crate::path::chaos::Growth;
 use crate::scheme::plan::{Plan, Solver};
 use crate::scheme::system::{
@@ -146,7 +145,7 @@ impl<H: Hamiltonian> Hamiltonian for Linearised<'_, H> {
 pub(crate) struct Prepared<P>(P);
 
 /// The memory of steps of the system, and room for its numbers.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Memory<M, S: Scalar> {
     inner: M,
     q: Vec<Number<S>>,
@@ -160,24 +159,8 @@ impl<M: Default, S: Scalar> Default for Memory<M, S> {
     }
 }
 
-impl<M: Numbers, S: Scalar> Numbers for Memory<M, S> {
-    fn pass(&mut self, tape: &mut Tape) {
-        self.inner.pass(tape);
-    }
-}
-
-impl<M: StepMemory, S: Scalar> StepMemory for Memory<M, S> {
-    fn tell(&mut self, request: &Request) {
-        self.inner.tell(request);
-    }
-
-    fn goes_side_by_side(&self) -> bool {
-        self.inner.goes_side_by_side()
-    }
-
-    fn adopt(&mut self, left: Self) {
-        self.inner.adopt(left.inner);
-    }
+step_memory! {
+    impl[M: StepMemory, S: Scalar] StepMemory for Memory<M, S> { kept: inner; scratch: q, p, dw }
 }
 
 impl<H: Discretized<E>, E> Discretized<WithDeviations<E>> for Linearised<'_, H> {

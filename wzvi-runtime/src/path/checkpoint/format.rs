@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::keeper::Described;
 use crate::ground::checksum::Checksum;
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::{Numbers, Tape, numbers};
 use crate::path::checkpoint::{CheckpointError, Damage};
 
 /// The version that is read and written.
@@ -45,14 +45,7 @@ pub(super) struct Saved {
     pub(super) content: Vec<u64>,
 }
 
-impl Numbers for Saved {
-    fn pass(&mut self, tape: &mut Tape) {
-        let Self { run, done, content } = self;
-        run.pass(tape);
-        tape.word(done);
-        content.pass(tape);
-    }
-}
+numbers! { impl[] Numbers for Saved { kept: run, done, content } }
 
 /// The first line and the words of a file.
 pub(super) struct Encoded {

@@ -8,7 +8,7 @@ use super::format::{self, Encoded, Kind, Saved};
 use super::identity::{self, Fields};
 use crate::algebra::state::{State, Vector};
 use crate::ground::due::Due;
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::{Tape, numbers};
 use crate::path::Error;
 use crate::path::checkpoint::{CheckpointError, Difference};
 use crate::saving::FileError;
@@ -29,15 +29,7 @@ pub(crate) struct Described {
     starts: Vec<u64>,
 }
 
-impl Numbers for Described {
-    fn pass(&mut self, tape: &mut Tape) {
-        let Self { settings, derived, start, starts } = self;
-        settings.pass(tape);
-        derived.pass(tape);
-        start.pass(tape);
-        starts.pass(tape);
-    }
-}
+numbers! { impl[] Numbers for Described { kept: settings, derived, start, starts } }
 
 impl Described {
     /// A run from `start` in steps of size `h`, with the settings of its kind.

@@ -23,7 +23,7 @@
 
 use crate::algebra::student;
 use crate::algebra::welford::Welford;
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::{Numbers, Tape, numbers};
 
 /// So many batches, or up to twice as many, give a variance of 3 to 6 degrees of freedom, and intervals that
 /// are 1.55 to 1.2 times as wide as those of many. Twice as many are half as long: they cover 84 to 91 % of
@@ -184,11 +184,7 @@ impl Numbers for Level {
     }
 }
 
-impl Numbers for BatchMeans {
-    fn pass(&mut self, tape: &mut Tape) {
-        self.levels.pass(tape);
-    }
-}
+numbers! { impl[] Numbers for BatchMeans { kept: levels } }
 
 #[cfg(test)]
 mod tests {

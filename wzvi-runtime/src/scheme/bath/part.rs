@@ -10,10 +10,9 @@ use super::relaxation::{Momenta, Room};
 use super::{Damped, Relaxation};
 use crate::algebra::carry::{Carry, Compensation, Plain};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::{Request, StepMemory};
+use crate::algebra::memory::step_memory;
 use crate::algebra::scalar::{Constant, Mask as _, Over, Scalar};
 use crate::error::{BathError, ConfigError, StepFailure, StepPromise};
-use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::{Elements, PairColumns};
 use crate::scheme::system::{Hamiltonian as _, Lift, varied_without_lists};
 
@@ -197,23 +196,11 @@ impl<S: Scalar> Driving<S> {
     }
 }
 
-/// The copy allocates its own scratch.
-impl<S: Scalar> Clone for Memory<S> {
-    fn clone(&self) -> Self {
-        Self { heat: self.heat, heats: self.heats.clone(), ..Self::default() }
-    }
-}
-
-/// Stores nothing: the heat is that of one step.
-impl<S: Scalar> Numbers for Memory<S> {
-    fn pass(&mut self, _: &mut Tape) {}
-}
-
-impl<S: Scalar> StepMemory for Memory<S> {
-    fn tell(&mut self, _: &Request) {}
-
-    fn adopt(&mut self, left: Self) {
-        (self.heat, self.heats) = (left.heat, left.heats);
+step_memory! {
+    impl[S: Scalar] StepMemory for Memory<S> {
+        kept: ;
+        result: heat, heats;
+        scratch: own, room, driving, blocks, by_degree
     }
 }
 

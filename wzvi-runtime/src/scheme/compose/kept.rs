@@ -3,10 +3,10 @@
 use std::fmt::Debug;
 
 use crate::algebra::carry::Carry;
-use crate::algebra::memory::{Report, Request, StepMemory};
+use crate::algebra::memory::{StepMemory, step_memory};
 use crate::algebra::scalar::Scalar;
 use crate::error::{FailedLanes, StepFailure};
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::Tape;
 
 /// The memories of all parts of a step, so that each part starts from its own past steps.
 #[derive(Debug, Default)]
@@ -22,34 +22,10 @@ pub struct Memory<S, M> {
     pub(crate) dw: Vec<S>,
 }
 
-/// Copies the memories of the parts; the copy allocates its own scratch at its first use.
-impl<S, M: Clone + Default> Clone for Memory<S, M> {
-    fn clone(&self) -> Self {
-        Self::of(self.parts.clone())
-    }
-}
-
-impl<S, M: Numbers> Numbers for Memory<S, M> {
-    fn pass(&mut self, tape: &mut Tape) {
-        self.parts.pass(tape);
-    }
-}
-
-impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
-    fn tell(&mut self, request: &Request) {
-        self.parts.tell(request);
-    }
-
-    fn goes_side_by_side(&self) -> bool {
-        self.parts.goes_side_by_side()
-    }
-
-    fn adopt(&mut self, left: Self) {
-        self.parts.adopt(left.parts);
-    }
-
-    fn report(&self) -> Report {
-        self.parts.report()
+step_memory! {
+    impl[S: Scalar, M: StepMemory] StepMemory for Memory<S, M> {
+        kept: parts;
+        scratch: saved, start, carried, dw
     }
 }
 
@@ -139,5 +115,27 @@ impl<S: Scalar, M: StepMemory> Memory<S, M> {
             carry.keep(lost_q, lost_p);
         }
         std::mem::swap(&mut self.parts, &mut self.saved);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::solve::Extrapolation;
+    use crate::ground::numbers::Numbers;
+
+    /// A composition of compositions copies the memories of its parts in every step.
+    #[test]
+    fn copies_keep_their_room() {
+        let mut memory = Memory::of(Extrapolation::<f64, 1>::default()).with_room(3, 2);
+        memory.parts.record::<true>([7.0]);
+        let mut copy = Memory::of(Extrapolation::default()).with_room(3, 2);
+        let room = |memory: &Memory<f64, _>| [memory.start[0].as_ptr(), memory.dw.as_ptr()];
+        let before = room(&copy);
+        copy.copy(&memory);
+        assert_eq!(room(&copy), before);
+        assert_eq!(copy.parts.guess::<true>(), [7.0]);
+        let words = |memory: &mut Memory<f64, _>| Tape::write(|tape| Numbers::pass(memory, tape));
+        assert_eq!(words(&mut copy), words(&mut memory));
     }
 }

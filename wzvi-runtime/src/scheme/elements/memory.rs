@@ -326,23 +326,38 @@ impl<S: Scalar> Clone for Memory<S> {
     }
 }
 
+/// By hand: past unknowns are there once a step is known, and values for one type of numbers only.
 impl<S: Scalar> Numbers for Memory<S> {
     fn pass(&mut self, tape: &mut Tape) {
-        let unknowns = tape.length(if self.known == 0 { 0 } else { self.solver.past[0].len() });
-        tape.count(&mut self.known);
-        self.solver.preference.pass(tape);
+        // `iteration` and `plan` are settings, all other fields without a name are scratch.
+        let Self { known, solver, values, degrees: _, remembered: _, work: _, plan: _ } = self;
+        let Solver {
+            past,
+            preference,
+            kept,
+            iteration: _,
+            diagonal: _,
+            costs: _,
+            linear: _,
+            rounding: _,
+            sweeps: _,
+            care: _,
+        } = solver;
+        let unknowns = tape.length(if *known == 0 { 0 } else { past[0].len() });
+        tape.count(known);
+        preference.pass(tape);
         if unknowns != 0 {
-            for past in &mut self.solver.past {
+            for past in past {
                 past.resize(unknowns, S::from_f64(0.0));
                 past.iter_mut().for_each(|number| number.pass(tape));
             }
         }
-        self.solver.kept.pass(tape);
+        kept.pass(tape);
         if const { S::IS_PLAIN_DUAL } {
-            let mut is_there = self.values.is_some();
+            let mut is_there = values.is_some();
             tape.flag(&mut is_there);
             if is_there {
-                self.values.get_or_insert_default().memory.pass(tape);
+                values.get_or_insert_default().memory.pass(tape);
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::algebra::scalar::{Constant, Mask, Over, Parameters, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::{Doubt, Effort};
 use crate::error::StepFailure;
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::numbers;
 use crate::scheme::system::At;
 
 /// Parts in which a solution that is followed is reached: where these take fewer sweeps than Newton's method,
@@ -43,11 +43,6 @@ impl<H: Shape, W: Shape, const N: usize> Alone<H, W, N> {
         self.memory.fit(q.len(), dw.len());
     }
 
-    /// Passes what its steps leave for the next.
-    pub(super) fn pass(&mut self, tape: &mut Tape) {
-        self.memory.pass(tape);
-    }
-
     /// Takes over the slopes of a step of this path, and how the next one starts.
     pub(super) fn read_slopes(&mut self, slopes: &[OfStages<f64, H, N>; 2], waits: Waits<f64>) {
         self.memory.fit(slopes[0].as_ref().len(), self.dw.len());
@@ -59,6 +54,10 @@ impl<H: Shape, W: Shape, const N: usize> Alone<H, W, N> {
     pub(super) fn prefers_newton(&self) -> bool {
         self.memory.left.waits.prefer_newton()
     }
+}
+
+numbers! {
+    impl[H: Shape, W: Shape, const N: usize] Numbers for Alone<H, W, N> { kept: memory; scratch: q, p, dw }
 }
 
 impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {

@@ -17,7 +17,7 @@
 //! start with Newton's method, more of them after each failure.
 
 use crate::algebra::scalar::Scalar;
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::numbers;
 
 /// Operations for the slopes at one stage, per degree of freedom.
 const SLOPES: f64 = 10.0;
@@ -127,12 +127,7 @@ impl<S: Scalar> Waits<S> {
     }
 }
 
-impl<S: Scalar> Numbers for Waits<S> {
-    fn pass(&mut self, tape: &mut Tape) {
-        self.steps.pass(tape);
-        self.last.pass(tape);
-    }
-}
+numbers! { impl[S: Scalar] Numbers for Waits<S> { kept: steps, last } }
 
 #[cfg(test)]
 mod tests {

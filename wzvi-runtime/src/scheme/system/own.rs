@@ -5,11 +5,10 @@ use std::marker::PhantomData;
 
 use super::{At, Discretized, Lift, Movable, Properties, Scheme, check_lengths, varied_without_lists};
 use crate::algebra::carry::{Carry, Plain};
-use crate::algebra::memory::{Request, StepMemory};
+use crate::algebra::memory::step_memory;
 use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure, wrong};
-use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::{self, Elements, PairColumns};
 use crate::scheme::plan::{Plan, Solver};
 
@@ -89,7 +88,7 @@ pub trait StepField<S> {
 }
 
 /// Scratch lists of a step, allocated once.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Scratch<S> {
     numbers: Vec<S>,
     columns: PairColumns,
@@ -124,14 +123,7 @@ impl<S: Scalar> Scratch<S> {
     }
 }
 
-impl<S: Scalar> Numbers for Scratch<S> {
-    fn pass(&mut self, _: &mut Tape) {}
-}
-
-impl<S: Scalar> StepMemory for Scratch<S> {
-    fn tell(&mut self, _: &Request) {}
-    fn adopt(&mut self, _: Self) {}
-}
+step_memory! { impl[S: Scalar] StepMemory for Scratch<S> { kept: ; scratch: numbers, columns, before } }
 
 /// Steps of a [user-defined scheme](OneStep).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

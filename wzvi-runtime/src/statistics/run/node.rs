@@ -2,7 +2,7 @@
 //!
 //! Tested by `tests/ensembles/statistics.rs` and `tests/ensembles/control.rs`.
 
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::numbers;
 use crate::saving::table::{Parts, Rows};
 use crate::statistics::histogram::Histogram;
 use crate::statistics::moments::Moments;
@@ -149,15 +149,13 @@ impl Statistic for Nodes {
     }
 }
 
-impl Numbers for Nodes {
-    fn pass(&mut self, tape: &mut Tape) {
-        for StatisticsNode { time: _, lost, moments, pairs, quantiles, histograms } in &mut self.all {
-            tape.word(lost);
-            moments.pass(tape);
-            pairs.iter_mut().for_each(|pairs| pairs.pass(tape));
-            quantiles.iter_mut().for_each(|quantiles| quantiles.pass(tape));
-            histograms.iter_mut().for_each(|histogram| histogram.pass(tape));
-        }
+numbers! {
+    impl[] Numbers for Nodes { kept: all[..]; fixed: histogrammed; scratch: scratch, first, has_first }
+}
+numbers! {
+    impl[] Numbers for StatisticsNode {
+        kept: lost, moments, pairs[..], quantiles[..], histograms[..];
+        fixed: time
     }
 }
 

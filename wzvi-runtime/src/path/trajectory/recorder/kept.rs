@@ -2,7 +2,7 @@
 
 use super::Recorder;
 use crate::algebra::state::{State, Vector};
-use crate::ground::numbers::Tape;
+use crate::ground::numbers::{Numbers, Tape};
 use crate::path::recording::Recording;
 use crate::path::section::Crossing;
 use crate::path::trajectory::{Iterations, Path};
