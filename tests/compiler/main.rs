@@ -9,6 +9,7 @@ mod documents;
 mod golden;
 mod hygiene;
 mod lean;
+mod names;
 mod rooms;
 mod ui;
 

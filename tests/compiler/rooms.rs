@@ -28,7 +28,7 @@ fn imports(krate: &str) -> BTreeMap<String, BTreeSet<String>> {
     rooms
 }
 
-fn files(folder: &Path) -> Vec<PathBuf> {
+pub(super) fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let of_entry = |path: PathBuf| match path.is_dir() {
         true if path.ends_with("tests") => Vec::new(),
