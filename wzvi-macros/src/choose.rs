@@ -34,13 +34,13 @@ const MOST_UNKNOWNS: usize = 6;
 struct MostAdded;
 
 impl MostAdded {
-    /// Of explicit steps, which evaluate each slope once: chains to 7 sites, 3 bodies in space. At 8 sites
+    /// For explicit steps, which evaluate each slope once: chains to 7 sites, 3 bodies in space. At 8 sites
     /// straight lines take 0.8 of the time of loops, at 4 bodies 0.83, for more than twice the code.
     const EXPLICIT: usize = 60;
-    /// Of stages, whose slopes fill the lanes of a register: chains to 9 sites, 3 bodies in space. At 8 sites
-    /// they take 0.65 of the time of loops, at 16 sites and 4 bodies 0.83.
+    /// For stages, whose slopes fill the lanes of a register: chains to 9 sites, 3 bodies in space. At 8
+    /// sites they take 0.65 of the time of loops, at 16 sites and 4 bodies 0.83.
     const STAGES: usize = 80;
-    /// Of steps that solve blocks, each by its own elimination.
+    /// For steps that solve blocks, each by its own elimination.
     const SOLVED: usize = 150;
 }
 
@@ -53,11 +53,11 @@ const MOST_ISOLATED: usize = 12;
 
 /// The forms of everything that is emitted.
 pub(crate) struct Choice {
-    /// Of the steps with one `P`.
+    /// The forms of the steps with one `P`.
     steps: Vec<(Embedding, Form)>,
-    /// Of the slopes of the step Hamiltonian, which `Gauss<S>` and flows take.
+    /// The form of the slopes of the step Hamiltonian, which `Gauss<S>` and flows take.
     pub(crate) slopes: Form,
-    /// Of the elements, which all schemes share: straight lines if every listed scheme takes these.
+    /// The form of the elements, which all schemes share: straight lines if every listed scheme takes these.
     pub(crate) elements: Form,
 }
 
@@ -119,9 +119,9 @@ struct Coupling {
 /// What the choice reads of a system.
 struct Sketch {
     degrees: usize,
-    /// Of all placements together.
+    /// Operations of all placements together.
     operations: usize,
-    /// Of each element once.
+    /// Operations of each element once.
     in_loops: usize,
     drift: Vec<Coupling>,
     noise: Vec<Coupling>,

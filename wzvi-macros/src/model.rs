@@ -271,8 +271,8 @@ pub(crate) struct System {
     pub(crate) form: Form,
     /// The form of the slopes of the step Hamiltonian.
     pub(crate) slopes: Form,
-    /// The same with each degree of freedom a variable of its own, where a step or the slopes are in straight
-    /// lines.
+    /// The system with each degree of freedom a variable of its own, where a step or the slopes are in
+    /// straight lines.
     pub(crate) line: Option<Rc<StraightLine>>,
     /// Functions that repeat the user's closures for `rustc` to type-check at the user's spans; never called.
     pub(crate) type_checks: TokenStream,

@@ -1,20 +1,21 @@
 //! Statistics of many paths, in vector lanes and on all cores.
 //!
-//! Paths run in the lanes of vector registers ([`crate::algebra::lanes`]), in chunks of fixed size. Threads take the chunks, and their
-//! statistics are merged in the order of the chunks. The result is the same, bit for bit, for any number of threads, any width of the
-//! lanes and any [`InstructionSet`].
+//! Paths run in the lanes of vector registers ([`crate::algebra::lanes`]), in chunks of fixed size. Threads
+//! take the chunks, and their statistics are merged in the order of the chunks. The result is the same, bit
+//! for bit, for any number of threads, any width of the lanes and any [`InstructionSet`].
 //!
 //! The increments of a seed are those of [`StepNormals`]: `√|h| ξ` with one normal `ξ` for each (seed, step
 //! size, process, path, step), truncated where the plan or the caller asks for it. The number of a step is
 //! that of its time, `⌊t/h⌋`. They do not form a Wiener tree: another step size is another sample, except
 //! between the levels of [`Multilevel`]. [`Ensemble::noise`] takes any other noise.
 //!
-//! A path is that of [`Stepper::plain`](crate::path::step::Stepper::plain) with the same increments. The bits are equal if `H` has only
-//! arithmetic and roots, since lanes have elementary functions of their own ([`crate::algebra::lanes`]). Hard steps are taken by the
-//! stepper, with the functions of `std`.
+//! A path is that of [`Stepper::plain`](crate::path::step::Stepper::plain) with the same increments. The bits
+//! are equal if `H` has only arithmetic and roots, since lanes have elementary functions of their own
+//! ([`crate::algebra::lanes`]). Hard steps are taken by the stepper, with the functions of `std`.
 //!
-//! A step that fails is halved if [`Ensemble::retry`] allows it. Otherwise its path ends there, with its number and error in
-//! [`Statistics::failures`], and the other paths continue. [`Ensemble::replay`] runs a single path again.
+//! A step that fails is halved if [`Ensemble::retry`] allows it. Otherwise its path ends there, with its
+//! number and error in [`Statistics::failures`], and the other paths continue. [`Ensemble::replay`] runs a
+//! single path again.
 
 mod account;
 mod chaos;
@@ -71,8 +72,8 @@ pub use crate::saving::table::{Column, Table};
 use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::statistics::AnyStatistic;
 
-/// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
-/// it.
+/// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it,
+/// [`Ensemble::run`] runs it.
 ///
 /// An ensemble needs a start, an end and a number of paths, and a seed or a noise if the system has noise. A
 /// later call of a method replaces an earlier one, and two methods that set the same (`seed` and `noise`) are
@@ -152,15 +153,17 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
 
 impl<'a, H: Hamiltonian, E, P> Ensemble<'a, H, E, StepNormals, P> {
     /// Sets whether the increments of a seed are truncated. The default is `k = 4` where
-    /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments) holds, and no truncation elsewhere. Other noises have
-    /// a truncation of their own, as in `Wiener::seed(7).truncated(4)`.
+    /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments) holds, and no
+    /// truncation elsewhere. Other noises have a truncation of their own, as in
+    /// `Wiener::seed(7).truncated(4)`.
     pub fn truncation(mut self, truncation: Truncation) -> Self {
         self.setup.more.settings.truncation = truncation;
         self
     }
 
-    /// Runs paths `2k` and `2k + 1` as pairs with negated normals. An observable that is odd in the noise then has the exact mean; one that
-    /// is even gains nothing. Standard errors are those of independent pairs ([`StatisticsNode::standard_error`]).
+    /// Runs paths `2k` and `2k + 1` as pairs with negated normals. An observable that is odd in the noise
+    /// then has the exact mean; one that is even gains nothing. Standard errors are those of independent
+    /// pairs ([`StatisticsNode::standard_error`]).
     pub fn antithetic(mut self) -> Self {
         self.setup.more.settings.is_antithetic = true;
         self
@@ -183,8 +186,9 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
         self.observe(name, elsewhere)
     }
 
-    /// Sets the first state of each path; all have the same time. It may depend on [`Draw::path`], or be drawn at random by the seed of the
-    /// ensemble (0 if it has none). The function is called from several threads, for some paths more than once, and must depend on its argument alone.
+    /// Sets the first state of each path; all have the same time. It may depend on [`Draw::path`], or be
+    /// drawn at random by the seed of the ensemble (0 if it has none). The function is called from several
+    /// threads, for some paths more than once, and must depend on its argument alone.
     ///
     /// ```ignore
     /// // A Gaussian cloud of path after path, whatever the scheme and the step size.
@@ -196,17 +200,18 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
         self
     }
 
-    /// Sets the first state of each path, in the order of their numbers; all have the same time. There are as many paths as states, unless
-    /// [`Ensemble::paths`] says fewer. A list of systems must have the same length.
+    /// Sets the first state of each path, in the order of their numbers; all have the same time. There are as
+    /// many paths as states, unless [`Ensemble::paths`] says fewer. A list of systems must have the same
+    /// length.
     pub fn starts_from(mut self, states: impl IntoIterator<Item = State<H::Vector>>) -> Self {
         let states = ByPath::Listed(states.into_iter().collect());
         self.setup.more.starts.set("starts_from", SOME, states);
         self
     }
 
-    /// Sets the system of each path, in place of the one that began the ensemble. Its parameters may depend on [`Draw::path`], or be drawn
-    /// at random by the seed of the ensemble, independently of the starts. All systems have the same number of degrees of freedom and of
-    /// noises.
+    /// Sets the system of each path, in place of the one that began the ensemble. Its parameters may depend
+    /// on [`Draw::path`], or be drawn at random by the seed of the ensemble, independently of the starts. All
+    /// systems have the same number of degrees of freedom and of noises.
     ///
     /// ```ignore
     /// // 21 × 21 parameters.
@@ -224,8 +229,9 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
         self.marked()
     }
 
-    /// Sets the system of each path, in the order of their numbers, as [`Ensemble::systems`] does. There are as many paths as systems,
-    /// unless [`Ensemble::paths`] says fewer. A list of starts must have the same length.
+    /// Sets the system of each path, in the order of their numbers, as [`Ensemble::systems`] does. There are
+    /// as many paths as systems, unless [`Ensemble::paths`] says fewer. A list of starts must have the same
+    /// length.
     pub fn systems_from(
         mut self,
         systems: impl IntoIterator<Item = H>,
@@ -254,35 +260,36 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     /// [`Increments`](crate::increments::Increments) drive every path. A system without noise accepts any
     /// noise and does not use it.
     ///
-    /// [`StepNormals`] are drawn in lanes. Any other noise gives the increments of one path after the other, and costs as much as in a
-    /// single run.
+    /// [`StepNormals`] are drawn in lanes. Any other noise gives the increments of one path after the other,
+    /// and costs as much as in a single run.
     pub fn noise<M: PathsOfNoise + Clone + Send + Sync + 'a>(mut self, noise: M) -> Ensemble<'a, H, E, M, P> {
         self.setup.more.source.set("noise", SOME, Source::new(noise));
         self.marked()
     }
 
-    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is not
-    /// to. The noise must have increments between the nodes
+    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is
+    /// not to. The noise must have increments between the nodes
     /// ([`Noise::is_divisible`](crate::increments::Noise::is_divisible)); the run refuses another one.
     ///
-    /// A path ends where the halves of a step do not agree ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), and where
-    /// its energy has changed permanently. A single run starts again in shorter steps; a path of an ensemble does not, because its nodes
-    /// have been counted.
+    /// A path ends where the halves of a step do not agree
+    /// ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), and where its energy has changed
+    /// permanently. A single run starts again in shorter steps; a path of an ensemble does not, because its
+    /// nodes have been counted.
     pub fn retry(mut self, retry: Retry) -> Self {
         self.setup.retry = retry;
         self
     }
 
-    /// Sets the fraction of paths that may fail, 0.01 by default. If more fail, the run returns a [`LossError`] with the statistics of the
-    /// others. If all fail, it returns the error of the first path.
+    /// Sets the fraction of paths that may fail, 0.01 by default. If more fail, the run returns a
+    /// [`LossError`] with the statistics of the others. If all fail, it returns the error of the first path.
     pub fn allow_losses(mut self, fraction: f64) -> Self {
         self.setup.more.control.losses = Some(fraction);
         self
     }
 
-    /// Calls `see(path, state)` for every path at each recorded node that it reaches, start and end included. The nodes of a path come in
-    /// order; different paths come from several threads at once. A run that is stopped early may have shown paths that its statistics do not
-    /// contain.
+    /// Calls `see(path, state)` for every path at each recorded node that it reaches, start and end included.
+    /// The nodes of a path come in order; different paths come from several threads at once. A run that is
+    /// stopped early may have shown paths that its statistics do not contain.
     pub fn inspect(mut self, see: impl Fn(u64, &State<H::Vector>) + Send + Sync + 'a) -> Self {
         self.setup.more.inspector = Some(Box::new(see));
         self
@@ -300,8 +307,9 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
         self
     }
 
-    /// Sets whether covariances of all pairs of observables are computed, which is the default. Their cost in time and memory is half the
-    /// square of the number of observables, at each recorded time. Variances are always computed.
+    /// Sets whether covariances of all pairs of observables are computed, which is the default. Their cost in
+    /// time and memory is half the square of the number of observables, at each recorded time. Variances are
+    /// always computed.
     pub fn covariances(mut self, are_computed: bool) -> Self {
         self.setup.more.wanted.covariances = Some(are_computed);
         self
@@ -330,7 +338,8 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
         self.observe_work()
     }
 
-    /// Computes quantiles of every observable at every recorded time, to a relative error of [`Quantiles::RELATIVE_ERROR`].
+    /// Computes quantiles of every observable at every recorded time, to a relative error of
+    /// [`Quantiles::RELATIVE_ERROR`].
     pub fn quantiles(mut self) -> Self {
         self.setup.more.wanted.quantiles = true;
         self
@@ -342,37 +351,41 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
         self
     }
 
-    /// Computes a histogram of the observable with this name at every recorded time, with `bins` bins from `lower` to `upper`.
+    /// Computes a histogram of the observable with this name at every recorded time, with `bins` bins from
+    /// `lower` to `upper`.
     pub fn histogram(mut self, observable: impl Into<String>, lower: f64, upper: f64, bins: usize) -> Self {
         self.setup.more.wanted.histograms.push((observable.into(), [lower, upper], bins));
         self
     }
 
-    /// Keeps all observables of every path at every recorded time ([`Statistics::paths`]), and the time of each event
-    /// ([`Passages::by_path`]), if that takes at most `bytes` of memory.
+    /// Keeps all observables of every path at every recorded time ([`Statistics::paths`]), and the time of
+    /// each event ([`Passages::by_path`]), if that takes at most `bytes` of memory.
     pub fn keep_paths(mut self, bytes: u64) -> Self {
         self.setup.more.wanted.most_bytes = Some(bytes);
         self
     }
 
-    /// Keeps the first `most` crossings of each path and section with their states. By default they are only counted ([`Crossings`]).
-    /// It needs a [`section`](Ensemble::section).
+    /// Keeps the first `most` crossings of each path and section with their states. By default they are only
+    /// counted ([`Crossings`]). It needs a [`section`](Ensemble::section).
     pub fn keep_crossings(mut self, most: u64) -> Self {
         self.setup.more.wanted.most_crossings = most;
         self
     }
 
-    /// Ends the run when the standard error of the mean of an observable at the end of the paths is at most `target` (units of the
-    /// observable). [`Ensemble::paths`] is then a limit, and [`Statistics::met_targets`] says whether it was enough. If this is called more
-    /// than once, all targets must be met.
+    /// Ends the run when the standard error of the mean of an observable at the end of the paths is at most
+    /// `target` (units of the observable). [`Ensemble::paths`] is then a limit, and
+    /// [`Statistics::met_targets`] says whether it was enough. If this is called more than once, all targets
+    /// must be met.
     ///
-    /// The test is made after each 512 paths, in the order of their numbers, from 1024 on, so that the result is the same for any number of
-    /// threads. An estimated error is sometimes too small by chance, which would end the run too early. The test therefore uses an upper
-    /// estimate ([`StatisticsNode::error_bound`]). An observable that was the same number on all paths continues to the limit
-    /// ([`TargetStatus::Constant`]).
+    /// The test is made after each 512 paths, in the order of their numbers, from 1024 on, so that the result
+    /// is the same for any number of threads. An estimated error is sometimes too small by chance, which
+    /// would end the run too early. The test therefore uses an upper estimate
+    /// ([`StatisticsNode::error_bound`]). An observable that was the same number on all paths continues to
+    /// the limit ([`TargetStatus::Constant`]).
     ///
-    /// The mean is then within 1.96 targets of the true one in at least 95 % of the runs. `docs/guide/ensembles.md` shows this for events of
-    /// probability 0.001 and for the heavy tail of `exp(2 W)`.
+    /// The mean is then within 1.96 targets of the true one in at least 95 % of the runs.
+    /// `docs/guide/ensembles.md` shows this for events of probability 0.001 and for the heavy tail of
+    /// `exp(2 W)`.
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
         self.setup.more.control.targets.push((observable.into(), target));
         self
@@ -402,7 +415,8 @@ where
         self.run_in::<0>()
     }
 
-    /// [`Ensemble::run`] with `WIDTH` paths in lanes; 0 means as many as suit the instructions. The result is the same.
+    /// [`Ensemble::run`] with `WIDTH` paths in lanes; 0 means as many as suit the instructions. The result is
+    /// the same.
     #[doc(hidden)]
     pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error> {
         let execution = std::mem::take(&mut self.setup.execution);

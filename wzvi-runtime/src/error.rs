@@ -1,7 +1,7 @@
 //! Errors. Each says where, why and what to do; none leaves a state changed.
 
-/// What errors say: for patterns of a type the format of a message and its arguments. The message of an error contains those of its causes,
-/// so that none has a source.
+/// What errors say: for patterns of a type the format of a message and its arguments. The message of an error
+/// contains those of its causes, so that none has a source.
 macro_rules! messages {
     ($type:ty: $($pattern:pat $(if $guard:expr)? => $format:literal $(, $argument:expr)*;)+) => {
         impl std::fmt::Display for $type {
@@ -83,8 +83,8 @@ pub enum ConfigError {
         /// Largest absolute value in the matrix.
         scale: f64,
     },
-    /// An increment within the truncation reaches a pole of the step: there the step has no solution, and near it any. Computed for noises whose
-    /// Hamiltonian is quadratic, with the drift at the start.
+    /// An increment within the truncation reaches a pole of the step: there the step has no solution, and
+    /// near it any. Computed for noises whose Hamiltonian is quadratic, with the drift at the start.
     Pole {
         /// The noise, from 0.
         noise: usize,
@@ -99,8 +99,8 @@ pub enum ConfigError {
     },
     /// A setting that the builder needs is missing.
     Missing(&'static str),
-    /// The end of the run is NaN, infinite, on the wrong side of the start, or more steps away than can be counted; or times are so late that
-    /// steps of this size end where they begin.
+    /// The end of the run is NaN, infinite, on the wrong side of the start, or more steps away than can be
+    /// counted; or times are so late that steps of this size end where they begin.
     End {
         /// Start time.
         start: f64,

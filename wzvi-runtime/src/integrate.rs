@@ -11,9 +11,11 @@ use crate::report::WorkPrecision;
 use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::scheme::system::{Discretized, Hamiltonian};
 
-/// Runs a system by one of its schemes, `Scheme`: the only parameter to name, as in `kubo.simulate::<Midpoint>(0.02)`.
+/// Runs a system by one of its schemes, `Scheme`: the only parameter to name, as in
+/// `kubo.simulate::<Midpoint>(0.02)`.
 pub trait Integrate: Hamiltonian {
-    /// Single steps of size `h` (time units of the Hamiltonian; negative runs backwards) with given increments.
+    /// Single steps of size `h` (time units of the Hamiltonian; negative runs backwards) with given
+    /// increments.
     ///
     /// # Errors
     /// See [`Stepper::new`].
@@ -24,11 +26,12 @@ pub trait Integrate: Hamiltonian {
         Stepper::new(self, h)
     }
 
-    /// The modified energy of a state for steps of size `h`, in units of energy. Steps of the scheme conserve it nearly exactly; these are
-    /// its first terms in `h`. [`ModifiedHamiltonian`] evaluates it for many states. It is NaN where the energy is.
+    /// The modified energy of a state for steps of size `h`, in units of energy. Steps of the scheme conserve
+    /// it nearly exactly; these are its first terms in `h`. [`ModifiedHamiltonian`] evaluates it for many
+    /// states. It is NaN where the energy is.
     ///
-    /// If the modified energy drifts much less than the energy, the theory of symplectic methods applies to the run. If both drift alike,
-    /// the step is too long.
+    /// If the modified energy drifts much less than the energy, the theory of symplectic methods applies to
+    /// the run. If both drift alike, the step is too long.
     fn shadow_energy<Scheme>(&self, state: &State<Self::Vector>, h: f64) -> f64
     where
         Self: Discretized<Scheme> + Conservative + Sized,
@@ -37,7 +40,8 @@ pub trait Integrate: Hamiltonian {
         ModifiedHamiltonian::<Scheme>::new(h).energy(self, state)
     }
 
-    /// One path in steps of size `h` (time units of the Hamiltonian; negative runs backwards). [`Simulation::run`] reports invalid settings.
+    /// One path in steps of size `h` (time units of the Hamiltonian; negative runs backwards).
+    /// [`Simulation::run`] reports invalid settings.
     fn simulate<Scheme>(&self, h: f64) -> Simulation<'_, Self, Scheme>
     where
         Self: Discretized<Scheme> + Sized,
@@ -45,8 +49,8 @@ pub trait Integrate: Hamiltonian {
         Simulation::new(self, h)
     }
 
-    /// Many paths in steps of size `h` (time units of the Hamiltonian; negative runs backwards), for their statistics. [`Ensemble::run`]
-    /// reports invalid settings.
+    /// Many paths in steps of size `h` (time units of the Hamiltonian; negative runs backwards), for their
+    /// statistics. [`Ensemble::run`] reports invalid settings.
     #[cfg(feature = "ensemble")]
     fn ensemble<Scheme>(&self, h: f64) -> Ensemble<'_, Self, Scheme>
     where
@@ -55,8 +59,9 @@ pub trait Integrate: Hamiltonian {
         Ensemble::new(self, h)
     }
 
-    /// The mean of one observable at the end, from coupled paths in steps of `h, h/2, h/4, ...` (time units of the Hamiltonian). It is
-    /// cheaper than an ensemble where the error must be small. [`Multilevel::run`] reports invalid settings.
+    /// The mean of one observable at the end, from coupled paths in steps of `h, h/2, h/4, ...` (time units
+    /// of the Hamiltonian). It is cheaper than an ensemble where the error must be small. [`Multilevel::run`]
+    /// reports invalid settings.
     #[cfg(feature = "ensemble")]
     fn multilevel<Scheme>(&self, h: f64) -> Multilevel<'_, Self, Scheme>
     where
@@ -65,7 +70,8 @@ pub trait Integrate: Hamiltonian {
         Multilevel::new(self, h)
     }
 
-    /// Error against run time for several schemes and step sizes. [`WorkPrecision::run`] reports invalid settings.
+    /// Error against run time for several schemes and step sizes. [`WorkPrecision::run`] reports invalid
+    /// settings.
     #[cfg(feature = "report")]
     fn work_precision(&self) -> WorkPrecision<'_, Self>
     where

@@ -102,7 +102,7 @@ impl<'a> Interpreter<'a, '_> {
         part.or_else(|| self.mismatch(&syntax.member, "a field of the struct or of a tuple", &value))
     }
 
-    /// The wanted field. Of several under different `#[cfg]`s, it is a readable one.
+    /// The wanted field. If there are several under different `#[cfg]`s, a readable one.
     fn find_field(&self, wanted: impl Fn(&Member) -> bool) -> Option<&'a Field> {
         let system = self.system;
         let mut fields = system.fields.iter().filter(|field| wanted(&field.member));

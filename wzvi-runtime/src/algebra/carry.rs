@@ -1,9 +1,9 @@
 //! Compensated summation of the increments of a state.
 //!
-//! A step adds an increment to the state, and the sum is rounded. The rounding error is known exactly (D. E. Knuth,
-//! *The Art of Computer Programming* 2, section 4.2.2) and is added to the next increment, so that over many steps the
-//! errors of these additions do not accumulate. The rounding of the increments themselves remains, which is
-//! smaller by the ratio of increment to state.
+//! A step adds an increment to the state, and the sum is rounded. The rounding error is known exactly (D. E.
+//! Knuth, *The Art of Computer Programming* 2, section 4.2.2) and is added to the next increment, so that
+//! over many steps the errors of these additions do not accumulate. The rounding of the increments themselves
+//! remains, which is smaller by the ratio of increment to state.
 
 use std::fmt::Debug;
 

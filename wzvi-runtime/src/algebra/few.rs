@@ -1,7 +1,7 @@
 //! Short lists by value.
 //!
-//! State, increments and stepper of a small system stay in registers only if no function receives their address, not even one that is
-//! called once in a million steps. Rare calls therefore receive copies.
+//! State, increments and stepper of a small system stay in registers only if no function receives their
+//! address, not even one that is called once in a million steps. Rare calls therefore receive copies.
 
 use std::ops::{Deref, DerefMut};
 

@@ -1,8 +1,8 @@
 //! Several numbers at once: one trajectory per lane of a vector register.
 //!
-//! [`Lanes`] is a [`Scalar`]: the generated step of one trajectory, run on it, is the step of `L` trajectories. A lane
-//! depends on its own operands only, and every function gives the same bits on every machine and for every `L`.
-//! The table has their errors.
+//! [`Lanes`] is a [`Scalar`]: the generated step of one trajectory, run on it, is the step of `L`
+//! trajectories. A lane depends on its own operands only, and every function gives the same bits on every
+//! machine and for every `L`. The table has their errors.
 //!
 //! | function | largest error in units in the last place |
 //! |---|---|
@@ -14,8 +14,8 @@
 //! | `powi` | half a unit per multiplication |
 //! | `special` | [`Special::rounding`] |
 //!
-//! Measured at 1.5e5 arguments per range against arithmetic of 256 bits: `tests/runtime/lanes_accuracy.rs`. Infinities, NaN,
-//! zeros with their signs, subnormal and huge arguments give the results of `std`.
+//! Measured at 1.5e5 arguments per range against arithmetic of 256 bits: `tests/runtime/lanes_accuracy.rs`.
+//! Infinities, NaN, zeros with their signs, subnormal and huge arguments give the results of `std`.
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
 pub(crate) mod elementary;
@@ -70,8 +70,8 @@ impl<const L: usize> Lanes<L> {
     }
 }
 
-/// The values of a function for each lane. Few lanes are written out. As loops, one for each operation of a step, they would take a
-/// compile time that grows with the square of their number.
+/// The values of a function for each lane. Few lanes are written out. As loops, one for each operation of a
+/// step, they would take a compile time that grows with the square of their number.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn each<T: Copy + Default, const L: usize>(mut of: impl FnMut(usize) -> T) -> [T; L] {
     let mut list = [T::default(); L];
@@ -304,7 +304,8 @@ impl<const L: usize> Scalar for Lanes<L> {
         }
         zero.equal(zero)
     }
-    /// Lane by lane: the compiler would turn a loop over the numbers into one over vectors of numbers, gathered from one lane and scattered.
+    /// Lane by lane: the compiler would turn a loop over the numbers into one over vectors of numbers,
+    /// gathered from one lane and scattered.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn weighted<const N: usize>(mut numbers: [Self; N], weights: &[f64; N]) -> [Self; N] {
         for lane in 0..L {
@@ -335,7 +336,8 @@ impl<const L: usize> Scalar for Lanes<L> {
     fn recip(self) -> Self {
         self.map(|x| 1.0 / x)
     }
-    /// By squaring, from the last bit of the exponent on; a negative exponent takes the reciprocal of the result.
+    /// By squaring, from the last bit of the exponent on; a negative exponent takes the reciprocal of the
+    /// result.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn powi(self, exponent: i32) -> Self {
         let mut rest = exponent.unsigned_abs();

@@ -33,7 +33,8 @@ pub enum Method {
         /// Diagonals on each side.
         half_width: usize,
     },
-    /// The band would be too wide: GMRES on products with the Jacobian, with factors of an earlier one as preconditioner.
+    /// The band would be too wide: GMRES on products with the Jacobian, with factors of an earlier one as
+    /// preconditioner.
     Krylov,
 }
 
@@ -58,13 +59,15 @@ impl AddAssign for LinearWork {
 pub enum Request {
     /// Forget the steps before, and keep what was allocated.
     Forget,
-    /// Keep only the last step, to take the same step again with a slightly larger size: it starts where that one ended.
+    /// Keep only the last step, to take the same step again with a slightly larger size: it starts where that
+    /// one ended.
     Hold,
     /// Solve by this iteration.
     Pin(Iteration),
     /// Take large steps on this many threads.
     Share(Threads),
-    /// So many derivatives of each step follow from one solution of its equations, over all steps in numbers with derivatives.
+    /// So many derivatives of each step follow from one solution of its equations, over all steps in numbers
+    /// with derivatives.
     Derivatives(usize),
 }
 
@@ -87,7 +90,7 @@ impl Default for Report {
 }
 
 impl Report {
-    /// That of both: what the first says, or else the second, with the work of both.
+    /// The report of both: what the first says, or else the second, with the work of both.
     pub(crate) fn and(self, Self { pinned, method, linear_work, .. }: Self) -> Self {
         let mut both = Self { method: self.method.or(method), ..self };
         both.pinned = if both.pinned == Iteration::Automatic { pinned } else { both.pinned };
@@ -106,7 +109,7 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
         }
     }
 
-    /// Whether the next step is one that paths take side by side: else it goes alone.
+    /// Whether the next step may run in lanes.
     fn goes_side_by_side(&self) -> bool {
         true
     }
@@ -117,8 +120,8 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
         *self = left;
     }
 
-    /// Of a step in numbers with derivatives: hands what is known of its values, and the factors there, to the memory of others. `are_solved`: these
-    /// take the same step, and need not solve it again.
+    /// After a step in numbers with derivatives: lends its values and its factors to the memory of other
+    /// derivatives. `are_solved`: these take the same step, and need not solve it again.
     fn hand_values(&mut self, _to: &mut Self, _are_solved: bool) {}
 
     /// Becomes a copy, without allocating where it has room.
@@ -141,7 +144,7 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
 impl StepMemory for () {}
 impl<S> StepMemory for PhantomData<S> {}
 
-/// That of each part of a step.
+/// One memory for each part of a step.
 impl<M: StepMemory> StepMemory for Vec<M> {
     fn tell(&mut self, request: &Request) {
         self.iter_mut().for_each(|memory| memory.tell(request));
@@ -160,7 +163,7 @@ impl<M: StepMemory> StepMemory for Vec<M> {
         }
     }
 
-    /// That of the first, with the work of all.
+    /// The report of the first part, with the work of all.
     fn report(&self) -> Report {
         let mut linear_work = LinearWork::default();
         self.iter().for_each(|memory| linear_work += memory.linear_work());

@@ -80,14 +80,15 @@ pub trait Scalar:
     type Mask: Mask;
     /// One number for each of the `N` stages of a step.
     type Stages<const N: usize>: Stages<Self, N>;
-    /// Numbers that are the same in all lanes: parameters, times and step sizes. With derivatives where the type has them.
+    /// Numbers that are the same in all lanes: parameters, times and step sizes. With derivatives where the
+    /// type has them.
     type Constant: Constant<Mask = bool, Constant = Self::Constant>;
     /// The type of the number without its derivatives: the type itself where it has none.
     type Value: Scalar<Mask = Self::Mask>;
     /// The number type in which elements of such vectors are evaluated: `T` for `f64`, else the type itself.
     type OfElements<T: Number<f64>>: Number<Self>;
 
-    /// Whether they may be `f64`: of others nothing is compiled for lists of `f64`.
+    /// False if the type cannot be `f64`: then nothing is compiled for lists of `f64`.
     #[doc(hidden)]
     const MAY_BE_PLAIN: bool = size_of::<Self>() == size_of::<f64>();
     /// A list of such numbers, if they are `f64`.
@@ -95,7 +96,7 @@ pub trait Scalar:
     fn plain(_list: &[Self]) -> Option<&[f64]> {
         None
     }
-    /// The same, to be written.
+    /// A list of such numbers to be written, if they are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain_mut(_list: &mut [Self]) -> Option<&mut [f64]> {
         None
@@ -139,8 +140,8 @@ pub trait Scalar:
     fn infinitesimal(self) -> Self {
         self - Self::of_value(self.value())
     }
-    /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; `f64::MAX` for larger quotients and
-    /// for NaN.
+    /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives;
+    /// `f64::MAX` for larger quotients and for NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
         Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
@@ -190,7 +191,8 @@ pub trait Scalar:
 
     /// `1 / self`
     fn recip(self) -> Self;
-    /// `1 / |self|` within a nineteenth, with any sign: finite for zero, and not defined for sizes above `8.5e307`.
+    /// `1 / |self|` within a nineteenth, with any sign: finite for zero, and not defined for sizes above
+    /// `8.5e307`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_recip(self) -> Self {
         (self.abs() + f64::MIN_POSITIVE).recip()
@@ -336,7 +338,8 @@ impl Scalar for f64 {
     fn lane(self, _lane: usize) -> f64 {
         self
     }
-    /// The minimum is one instruction, but not the minimum with infinity, for which compilers emit a test of bits.
+    /// The minimum is one instruction, but not the minimum with infinity, for which compilers emit a test of
+    /// bits.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
         let relative = (self * size.nearly_recip()).abs();

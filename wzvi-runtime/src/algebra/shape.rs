@@ -23,8 +23,8 @@ pub trait Shape: Debug + Clone + Copy + Default + 'static {
         if Self::IS_FIXED { new } else { std::mem::replace(room, new) }
     }
 
-    /// Replaces the numbers of a list by those of a vector of the same length, which may take the old ones in exchange. Only numbers that
-    /// are `f64` come so.
+    /// Replaces the numbers of a list by those of a vector of the same length, which may take the old ones in
+    /// exchange. Only numbers that are `f64` come so.
     fn exchange<S: Scalar>(list: &mut Self::Of<S>, new: &mut Vec<f64>);
 
     /// Returns the lists to `room`.

@@ -1,8 +1,9 @@
 //! The solvers of a step: dense factorisation and Newton's method, on arrays, without allocation.
 //!
-//! Numbers do not know solvers: these are functions of any [`Scalar`](crate::algebra::scalar::Scalar). Generated code calls [`linear`], [`usable`] and
-//! [`Block::newton`]. They solve for one number, or for several that share a verdict, by `newton` and `dense`. Numbers with derivatives are solved
-//! for their values, and then for each derivative. `lanes` decides for each lane of trajectories separately.
+//! Numbers do not know solvers: these are functions of any [`Scalar`](crate::algebra::scalar::Scalar).
+//! Generated code calls [`linear`], [`usable`] and [`Block::newton`]. They solve for one number, or for
+//! several that share a verdict, by `newton` and `dense`. Numbers with derivatives are solved for their
+//! values, and then for each derivative. `lanes` decides for each lane of trajectories separately.
 
 mod banded;
 mod block;

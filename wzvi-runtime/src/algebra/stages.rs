@@ -13,7 +13,7 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     /// How many of them there are.
     const PARTS: usize;
 
-    /// The same for each stage.
+    /// One number for all stages.
     fn splat(number: S) -> Self;
     /// The number of stage `i`.
     fn get(&self, i: usize) -> S;
@@ -29,13 +29,13 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     fn numbers(_parts: &[Self::Part]) -> Option<&[S]> {
         None
     }
-    /// The same, to be written.
+    /// The numbers of the stages, to be written.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn numbers_mut(_parts: &mut [Self::Part]) -> Option<&mut [S]> {
         None
     }
 
-    /// The same for each stage of a part.
+    /// One number for all stages of a part.
     fn same(number: S) -> Self::Part;
     /// A constant for each stage of a part.
     fn constants(constants: &[f64; N], part: usize) -> Self::Part;
@@ -51,7 +51,8 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     fn parts<'a>(list: &'a [Self], part: usize, room: &'a mut [Self::Part]) -> &'a [Self::Part];
     /// Where to write that: [`Stages::store`] brings it to the list.
     fn parts_mut<'a>(list: &'a mut [Self], room: &'a mut [Self::Part]) -> &'a mut [Self::Part];
-    /// Writes a part of each of a list back from [`Stages::parts_mut`], if that used the work space; not where they are to stay.
+    /// Writes a part of each of a list back from [`Stages::parts_mut`], if that used the work space; not
+    /// where they are to stay.
     fn store(list: &mut [Self], part: usize, room: &[Self::Part], stay: S::Mask);
 
     /// A part of `Σ_j matrix[j] self_j`: of column `j` of a matrix times the number of stage `j`.
@@ -108,7 +109,8 @@ fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T)
     list[0]
 }
 
-/// `Σ_j matrix[j][i] numbers[j]` in four sums, so that few additions wait for one another. They have names: arrays would be in memory.
+/// `Σ_j matrix[j][i] numbers[j]` in four sums, so that few additions wait for one another. They have names:
+/// arrays would be in memory.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn row<S: Scalar, const N: usize>(numbers: &[S; N], matrix: &[[f64; N]; N], i: usize) -> S {
     let term = |j: usize| numbers[j] * matrix[j][i];
@@ -170,8 +172,8 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
     fn constants(constants: &[f64; N], _part: usize) -> Self {
         Self::new(*constants)
     }
-    /// As integers, which have the order of the numbers where these are not negative: the largest of many is found in any order, so in
-    /// lanes.
+    /// As integers, which have the order of the numbers where these are not negative: the largest of many is
+    /// found in any order, so in lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn largest(numbers: Self) -> f64 {
         f64::from_bits(in_pairs(numbers.to_array().map(f64::to_bits), u64::max))
@@ -186,7 +188,8 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn store(_list: &mut [Self], _part: usize, _room: &[Self], _stay: bool) {}
-    /// A loop over the stages with all columns in it: as many small loops each would be unrolled before they become vector code.
+    /// A loop over the stages with all columns in it: as many small loops each would be unrolled before they
+    /// become vector code.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn product(&self, matrix: &[[f64; N]; N], _part: usize) -> Self {
         let numbers = self.to_array();

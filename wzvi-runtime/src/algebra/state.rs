@@ -15,7 +15,8 @@ pub trait Vector: Clone + Debug + PartialEq + Send + Sync {
     fn components(&self) -> &[f64];
     /// The components, to change.
     fn components_mut(&mut self) -> &mut [f64];
-    /// Takes the numbers of a list of the same length; the list takes those of the vector where that copies nothing.
+    /// Takes the numbers of a list of the same length; the list takes those of the vector where that copies
+    /// nothing.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn exchange(&mut self, list: &mut Vec<f64>) {
         self.components_mut().copy_from_slice(list);
@@ -59,8 +60,8 @@ pub(crate) fn dot<V: Vector>(x: &V, y: &V) -> f64 {
     x.components().iter().zip(y.components()).map(|(x, y)| x * y).sum()
 }
 
-/// Types for coordinates and momenta: arrays with one number for each degree of freedom, `Vec`s for systems of any size, and vectors of
-/// nalgebra. Arrays and `Vec`s of points give their components point by point.
+/// Types for coordinates and momenta: arrays with one number for each degree of freedom, `Vec`s for systems
+/// of any size, and vectors of nalgebra. Arrays and `Vec`s of points give their components point by point.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` are not the coordinates or momenta of this system",
     label = "the system has as many degrees of freedom as `{V}` has components",
@@ -166,7 +167,8 @@ impl<V: Vector> fmt::Display for State<V> {
 }
 
 impl<V: Vector> State<V> {
-    /// The state with coordinates `q` and momenta `p` at `t = 0`, from arrays or `Vec`s of numbers or of points, or nalgebra vectors.
+    /// The state with coordinates `q` and momenta `p` at `t = 0`, from arrays or `Vec`s of numbers or of
+    /// points, or nalgebra vectors.
     ///
     /// ```
     /// use wzvi_runtime::nalgebra::{DVector, SVector};
@@ -182,8 +184,8 @@ impl<V: Vector> State<V> {
         Self { q: q.into_vector(), p: p.into_vector(), t: 0.0 }
     }
 
-    /// Coordinates and momenta by point, as a closure with `q: [[f64; 3]; N]` reads them, for observables and sections. There are no points
-    /// if the number of degrees of freedom is not a multiple of `D`.
+    /// Coordinates and momenta by point, as a closure with `q: [[f64; 3]; N]` reads them, for observables and
+    /// sections. There are no points if the number of degrees of freedom is not a multiple of `D`.
     ///
     /// ```
     /// use wzvi_runtime::nalgebra::SVector;

@@ -3,8 +3,9 @@
 /// The quantile 0.975 of a normal.
 pub(crate) const NORMAL: f64 = 1.959_963_984_540_054;
 
-/// The quantile 0.975 of Student's t with so many degrees of freedom: exact for one and two, otherwise by its expansion about that of a normal (M. Abramowitz,
-/// I. A. Stegun, *Handbook of Mathematical Functions*, 26.7.5), to 1 % from three on and to 1e-4 from ten on.
+/// The quantile 0.975 of Student's t with so many degrees of freedom: exact for one and two, otherwise by its
+/// expansion about that of a normal (M. Abramowitz, I. A. Stegun, *Handbook of Mathematical Functions*,
+/// 26.7.5), to 1 % from three on and to 1e-4 from ten on.
 pub(crate) fn quantile(degrees: f64) -> f64 {
     if degrees <= 1.0 {
         return (0.475 * std::f64::consts::PI).tan();
@@ -22,8 +23,9 @@ pub(crate) fn quantile(degrees: f64) -> f64 {
     terms.iter().rev().fold(0.0, |sum, term| term + sum / degrees)
 }
 
-/// A ratio of two variances with so many degrees of freedom as a normal number, large where the first is too large (E. Paulson, "An approximate
-/// normalization of the analysis of variance distribution", Ann. Math. Statist. 13, 1942).
+/// A ratio of two variances with so many degrees of freedom as a normal number, large where the first is too
+/// large (E. Paulson, "An approximate normalization of the analysis of variance distribution", Ann. Math.
+/// Statist. 13, 1942).
 pub(crate) fn normal_of_ratio(ratio: f64, [first, second]: [f64; 2]) -> f64 {
     let (a, b, root) = (2.0 / (9.0 * first), 2.0 / (9.0 * second), ratio.cbrt());
     ((1.0 - b) * root - (1.0 - a)) / (a + b * root * root).sqrt()

@@ -1,6 +1,7 @@
 //! Compensated sums: `W(t)` to its last digits after any number of steps.
 //!
-//! With `s + x = r + e` exactly, `r` the rounded sum, Neumaier's method keeps the errors `e` and adds them at the end.
+//! With `s + x = r + e` exactly, `r` the rounded sum, Neumaier's method keeps the errors `e` and adds them at
+//! the end.
 
 use crate::ground::numbers::{Numbers, Tape, numbers};
 

@@ -1,7 +1,7 @@
 //! Mean and variance as the samples come.
 //!
-//! B. P. Welford, Technometrics 4 (1962) 419; merged as in T. F. Chan, G. H. Golub, R. J. LeVeque, "Updating formulae and a
-//! pairwise algorithm for computing sample variances", 1979.
+//! B. P. Welford, Technometrics 4 (1962) 419; merged as in T. F. Chan, G. H. Golub, R. J. LeVeque, "Updating
+//! formulae and a pairwise algorithm for computing sample variances", 1979.
 
 use crate::ground::numbers::numbers;
 

@@ -32,8 +32,8 @@ pub struct MapDeviations<'a, H: Hamiltonian, E, N> {
     given: Option<Vec<Vec<f64>>>,
 }
 
-/// Indicators of chaos at the end of each path of an ensemble, in the order of the starts: those of [`Indicators`](crate::path::chaos::Indicators). Paths that
-/// failed have NaN.
+/// Indicators of chaos at the end of each path of an ensemble, in the order of the starts: those of
+/// [`Indicators`](crate::path::chaos::Indicators). Paths that failed have NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChaosMap<V> {
     /// Where the paths start.
@@ -62,24 +62,26 @@ where
     H: Discretized<E> + Sync,
     N: Noise,
 {
-    /// MEGNO, SALI, GALI_2 and FLI of each path ([`chaos`](crate::path::chaos)), by two deviations. Steps are taken in dual numbers: in lanes where they are
-    /// explicit or in straight-line code, else path by path.
+    /// MEGNO, SALI, GALI_2 and FLI of each path ([`chaos`](crate::path::chaos)), by two deviations. Steps are
+    /// taken in dual numbers: in lanes where they are explicit or in straight-line code, else path by path.
     ///
     /// ```ignore
     /// let map = henon_heiles.ensemble::<Verlet>(0.1).starts_from(grid).until(1000.0).indicators()?;
     /// let chaotic = map.megno_mean.iter().filter(|megno| **megno > 4.0).count();
     /// ```
     ///
-    /// Paths that fail, as those that escape, are no error unless all do: [`Ensemble::allow_losses`] sets another limit.
+    /// Paths that fail, as those that escape, are no error unless all do: [`Ensemble::allow_losses`] sets
+    /// another limit.
     ///
     /// # Errors
-    /// The errors of [`Ensemble::run`]; [`ConfigError::Setting`] for settings without meaning here, as observables and statistics.
+    /// The errors of [`Ensemble::run`]; [`ConfigError::Setting`] for settings without meaning here, as
+    /// observables and statistics.
     pub fn indicators(self) -> Result<ChaosMap<H::Vector>, Error> {
         MapDeviations { ensemble: self, given: None }.indicators()
     }
 
-    /// The same ensemble with these two deviations at each start, in place of generic ones. Each has one number for each coordinate and then one for each
-    /// momentum; only its direction counts.
+    /// The same ensemble with these two deviations at each start, in place of generic ones. Each has one
+    /// number for each coordinate and then one for each momentum; only its direction counts.
     pub fn deviations<D: Into<Vec<f64>>>(
         self,
         deviations: impl IntoIterator<Item = D>,
@@ -96,7 +98,8 @@ where
     /// As [`Ensemble::indicators`].
     ///
     /// # Errors
-    /// The errors of [`Ensemble::indicators`], and [`ConfigError::Setting`] for deviations that are dependent, or not two.
+    /// The errors of [`Ensemble::indicators`], and [`ConfigError::Setting`] for deviations that are
+    /// dependent, or not two.
     pub fn indicators(self) -> Result<ChaosMap<H::Vector>, Error> {
         let Self { ensemble: Ensemble { setup, .. }, given } = self;
         refuse_unused(&setup)?;
@@ -248,8 +251,8 @@ impl<V: Vector> ChaosMap<V> {
         rows.table("map")
     }
 
-    /// Comma-separated values with the names in the first line. The folder of the file is made if it is not there, and the file appears complete or not
-    /// at all.
+    /// Comma-separated values with the names in the first line. The folder of the file is made if it is not
+    /// there, and the file appears complete or not at all.
     ///
     /// # Errors
     /// [`FileError`] if it cannot be written.
@@ -257,7 +260,8 @@ impl<V: Vector> ChaosMap<V> {
         file::replace_in_folder(file.as_ref(), |file| self.table().write_csv(file))
     }
 
-    /// A Parquet file with a column of `DOUBLE`s each. The folder and the file as with [`ChaosMap::write_csv`].
+    /// A Parquet file with a column of `DOUBLE`s each. The folder and the file as with
+    /// [`ChaosMap::write_csv`].
     ///
     /// # Errors
     /// [`FileError`] if it cannot be written.

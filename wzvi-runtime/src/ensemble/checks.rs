@@ -22,7 +22,8 @@ use crate::statistics::{Crossings, Histogram, Nodes, Passage, Passages, Paths, S
 
 /// More recorded nodes than anyone looks at.
 const MOST_NODES: u64 = 1 << 20;
-/// Statistics of a chunk of paths that take more bytes are refused: some chunks wait for others, on each thread.
+/// Statistics of a chunk of paths that take more bytes are refused: some chunks wait for others, on each
+/// thread.
 const MOST_BYTES: u128 = 1 << 30;
 /// Bins of passage times.
 const PASSAGE_BINS: usize = 100;
@@ -278,7 +279,8 @@ pub(super) fn observable(name: &str, names: &[String]) -> Result<usize, ConfigEr
     UnknownName::find("observable", name, names.iter().zip(0..)).or_else(|unknown| wrong(unknown.to_string()))
 }
 
-/// Coordinates and momenta by the names of the drift's closure, which are observed beside the energy if nothing is asked for.
+/// Coordinates and momenta by the names of the drift's closure, which are observed beside the energy if
+/// nothing is asked for.
 fn coordinates<'a, V: Vector>(degrees: usize, variables: &Variables) -> Observables<'a, V> {
     let component = |i: usize| move |vector: &V| vector.components().get(i).copied().unwrap_or(f64::NAN);
     let mut all = Observables::default();

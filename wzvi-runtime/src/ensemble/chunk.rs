@@ -16,7 +16,7 @@ use crate::statistics::Statistics;
 
 /// Paths in a chunk where paths go beside each other: two groups of the widest vector registers.
 pub(super) const BESIDE: u64 = 64;
-/// The same where they go one after the other.
+/// Paths in a chunk where paths go one after the other.
 pub(super) const ONE_BY_ONE: u64 = 4;
 
 /// Whether a path has more than one degree of freedom, and so more beside it that is to stay in registers.
@@ -24,13 +24,14 @@ const fn is_wide<V>() -> bool {
     size_of::<V>() > size_of::<f64>()
 }
 
-/// Chunks that one thread does one after the other, at most: what a group of paths allocates once is made once for all of them.
+/// Chunks that one thread does one after the other, at most: what a group of paths allocates once is made
+/// once for all of them.
 const MOST: u64 = 8;
 /// Tasks for each thread, at least: they are not done at the same time.
 const TASKS: u64 = 4;
 
-/// Does the chunks of a job with these numbers, with the paths of a coarser job beside them, and gives the statistics of each to `take` in the order of
-/// their numbers, until it breaks.
+/// Does the chunks of a job with these numbers, with the paths of a coarser job beside them, and gives the
+/// statistics of each to `take` in the order of their numbers, until it breaks.
 pub(super) fn in_chunks<H: Discretized<E> + Sync, E, P: Systems, const WIDTH: usize>(
     job: &Job<'_, H, E>,
     coarse: Option<&Job<'_, H, E>>,
@@ -49,8 +50,9 @@ pub(super) fn in_chunks<H: Discretized<E> + Sync, E, P: Systems, const WIDTH: us
     in_order(0..number.div_ceil(row), threads, work, |_, found| found.into_iter().try_for_each(&mut take));
 }
 
-/// Chunks that follow each other, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom,
-/// one where steps are in vector instructions by themselves), or `WIDTH` if that is not 0.
+/// Chunks that follow each other, as many paths at a time as the instructions ask for (half as many if a path
+/// has more than one degree of freedom, one where steps are in vector instructions by themselves), or `WIDTH`
+/// if that is not 0.
 pub(super) struct Chunks<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
     job: &'j Job<'a, H, E>,
     /// The job of the coarser paths beside these.
@@ -59,7 +61,8 @@ pub(super) struct Chunks<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
     systems: PhantomData<P>,
 }
 
-/// What chunks found out, in their order; one without a result, because it failed or was stopped, is the last one.
+/// What chunks found out, in their order; one without a result, because it failed or was stopped, is the last
+/// one.
 pub(super) type Found = Vec<Result<Statistics, Error>>;
 
 impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P, WIDTH> {
@@ -78,8 +81,8 @@ impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P
         numbers.start * size..self.job.paths.min(numbers.end * size)
     }
 
-    /// The instructions that take no more paths beside each other than there are, if those asked for take more: lanes without a path cost as
-    /// much as others.
+    /// The instructions that take no more paths beside each other than there are, if those asked for take
+    /// more: lanes without a path cost as much as others.
     pub(super) fn instructions(&self, asked: InstructionSet) -> InstructionSet {
         if WIDTH == 0 && self.job.goes_path_by_path() {
             return asked;

@@ -1,12 +1,13 @@
 //! Ensembles on many machines: blocks of paths on the ranks of an MPI communicator (feature `mpi`).
 //!
-//! Rank 0 hands out blocks and merges their statistics in the order of their numbers, as one process does, so that the
-//! result is the same, bit for bit, on any number of ranks. Statistics travel as their 64-bit words. Rank 0 works as
-//! well: its main thread serves the others and sleeps in between.
+//! Rank 0 hands out blocks and merges their statistics in the order of their numbers, as one process does, so
+//! that the result is the same, bit for bit, on any number of ranks. Statistics travel as their 64-bit words.
+//! Rank 0 works as well: its main thread serves the others and sleeps in between.
 //!
-//! A rank gets batches of blocks that take about 20 ms, or one block if that takes longer, and has the next one already
-//! when it finishes one. At most four batches for each thread of all ranks are begun before the oldest one is merged, and a batch
-//! has at most 1 MiB of results or is a single block: this bounds the memory of rank 0.
+//! A rank gets batches of blocks that take about 20 ms, or one block if that takes longer, and has the next
+//! one already when it finishes one. At most four batches for each thread of all ranks are begun before the
+//! oldest one is merged, and a batch has at most 1 MiB of results or is a single block: this bounds the
+//! memory of rank 0.
 //!
 //! The guide with a Slurm script is `docs/guide/cluster.md`.
 
@@ -42,12 +43,12 @@ where
     N: Noise,
     P: Systems,
 {
-    /// Runs all paths on all ranks of `world`, each of which calls this with the same settings; [`Ensemble::run`] gives
-    /// the same statistics, bit for bit. Rank 0 gets them and the others get `None`, so that printing and writing files
-    /// happens once. A checkpoint is read and written by rank 0 alone.
+    /// Runs all paths on all ranks of `world`, each of which calls this with the same settings;
+    /// [`Ensemble::run`] gives the same statistics, bit for bit. Rank 0 gets them and the others get `None`,
+    /// so that printing and writing files happens once. A checkpoint is read and written by rank 0 alone.
     ///
-    /// A rank is one thread, unless [`Ensemble::threads`] says otherwise. MPI has to be initialised for threads, and this
-    /// called on the thread that did it:
+    /// A rank is one thread, unless [`Ensemble::threads`] says otherwise. MPI has to be initialised for
+    /// threads, and this called on the thread that did it:
     ///
     /// ```ignore
     /// let (universe, _) = mpi::initialize_with_threading(Threading::Funneled).ok_or("no MPI")?;
@@ -58,12 +59,13 @@ where
     /// }
     /// ```
     ///
-    /// A run that is stopped ([`Ensemble::stop_when`]) on one rank is stopped on all. A rank that does not answer delays no other: they do
-    /// its blocks, and the run ends without it; rank 0 reports that in a line on standard error.
+    /// A run that is stopped ([`Ensemble::stop_when`]) on one rank is stopped on all. A rank that does not
+    /// answer delays no other: they do its blocks, and the run ends without it; rank 0 reports that in a line
+    /// on standard error.
     ///
     /// # Errors
-    /// The errors of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the
-    /// processes of all.
+    /// The errors of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank
+    /// ends the processes of all.
     pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error> {
         // Messages of this run are no others'.
         let world = world.duplicate();

@@ -8,9 +8,10 @@ use crate::statistics::{Statistics, StatisticsNode as Node, TargetStatus};
 /// An error that is estimated from fewer paths is not trusted.
 const LEAST_PATHS: u64 = 1024;
 
-/// The largest share of one sample in the sum of squares with which an error is trusted. A sum of ten comparable parts or more is known to `1/√10`, and its root, the
-/// error, to a sixth. In tails as heavy as that of `exp(3 W)`, whose sum of squares consists of its largest parts at any size that can be run, it is the
-/// share that says so: what it leaves of the coverage is measured below.
+/// The largest share of one sample in the sum of squares with which an error is trusted. A sum of ten
+/// comparable parts or more is known to `1/√10`, and its root, the error, to a sixth. In tails as heavy as
+/// that of `exp(3 W)`, whose sum of squares consists of its largest parts at any size that can be run, it is
+/// the share that says so: what it leaves of the coverage is measured below.
 const MOST_SHARE: f64 = 0.1;
 
 /// When the user has enough of a run, or too much.
@@ -117,7 +118,8 @@ mod tests {
         }
     }
 
-    /// Mean, number of samples and whether all of it was met, where samples come in blocks of 512 as in a run.
+    /// Mean, number of samples and whether all of it was met, where samples come in blocks of 512 as in a
+    /// run.
     fn run(target: f64, most: u64, mut block: impl FnMut(&mut Vec<f64>)) -> (f64, u64, TargetStatus) {
         let node = Node::new(1, true, (false, false), Vec::new());
         let empty = Statistics::new(vec!["x".into()], Nodes::new(&[0.0], &node, Vec::new()));
@@ -138,9 +140,11 @@ mod tests {
         (statistics.nodes()[0].mean(0), statistics.begun(), status)
     }
 
-    /// How often a run that says that it met its target is farther than 1.96 targets from the truth, where a fraction of 0.05 is the law of
-    /// a normal mean with that very error: that is promised, and three binomial deviations are allowed beyond. The
-    /// sample variance alone is farther in 0.11 to 0.39 of the runs of the rare event and of the heavy tail. `tests/laws` has many more runs, and tails that are heavier.
+    /// How often a run that says that it met its target is farther than 1.96 targets from the truth, where a
+    /// fraction of 0.05 is the law of a normal mean with that very error: that is promised, and three
+    /// binomial deviations are allowed beyond. The sample variance alone is farther in 0.11 to 0.39 of the
+    /// runs of the rare event and of the heavy tail. `tests/laws` has many more runs, and tails that are
+    /// heavier.
     #[test]
     fn targets_that_are_met_cover() {
         let rare = |draws: &mut Draws, to: &mut Vec<f64>| {

@@ -1,8 +1,9 @@
-//! Crossings of one path of an ensemble: of the sections of the run, each of which counts, and of its events, whose
-//! first one is a passage.
+//! Crossings of one path of an ensemble: of the sections of the run, each of which counts, and of its events,
+//! whose first one is a passage.
 //!
-//! Sections are looked for inside steps. So are the events of paths without noise, which are smooth there. With
-//! noise, a path inside a step is not what dense output says, and events are looked for at the nodes alone.
+//! Sections are looked for inside steps. So are the events of paths without noise, which are smooth there.
+//! With noise, a path inside a step is not what dense output says, and events are looked for at the nodes
+//! alone.
 //!
 //! Tested by `tests/paths/between/ensembles.rs` and `tests/ensembles/statistics.rs`.
 

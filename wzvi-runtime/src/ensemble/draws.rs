@@ -1,5 +1,5 @@
-//! The normals of many paths beside each other ([`StepNormals`](crate::noise::StepNormals)): one for every (seed, step size, process, path,
-//! step).
+//! The normals of many paths beside each other ([`StepNormals`](crate::noise::StepNormals)): one for every
+//! (seed, step size, process, path, step).
 
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
@@ -10,8 +10,8 @@ use crate::noise::random::{self, pair};
 pub(crate) use crate::noise::step_normals::STEPS;
 use crate::noise::step_normals::{key, of_process};
 
-/// The standard normals of one process of an ensemble, before truncation, in blocks of ten steps: block `b` is for the
-/// steps from `10 b` on. The number of a step is that of its time, `⌊t/h⌋`.
+/// The standard normals of one process of an ensemble, before truncation, in blocks of ten steps: block `b`
+/// is for the steps from `10 b` on. The number of a step is that of its time, `⌊t/h⌋`.
 #[derive(Clone, Copy, Debug)]
 pub struct Normals {
     key: [u32; 8],
@@ -31,8 +31,8 @@ impl Normals {
         drawn.map(|[normal]| normal)
     }
 
-    /// Visits blocks of 16 paths beside each other, as `[step][path]`: of the first 16 `paths`, all `blocks` in order, then of
-    /// the next 16. A last group that is not full has the paths that follow.
+    /// Visits blocks of 16 paths beside each other, as `[step][path]`: of the first 16 `paths`, all `blocks`
+    /// in order, then of the next 16. A last group that is not full has the paths that follow.
     pub fn visit(
         &self,
         paths: Range<u64>,
@@ -140,7 +140,8 @@ mod tests {
     use super::*;
     use crate::noise::{Interval, Noise as _, StepNormals};
 
-    /// A normal is a function of its address: no matter how many paths or processes are drawn at once, or whether one path asks alone.
+    /// A normal is a function of its address: no matter how many paths or processes are drawn at once, or
+    /// whether one path asks alone.
     #[test]
     fn widths_agree_with_each_other_and_with_the_noise() {
         let h = 0.1;

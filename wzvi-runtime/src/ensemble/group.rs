@@ -38,7 +38,8 @@ const NEVER: (u64, u32) = (u64::MAX, 0);
 /// `L` paths that run beside each other.
 pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     job: &'j Job<'a, H, E>,
-    /// The size of the present step, and what is prepared of the system for such steps: the last one may be shorter.
+    /// The size of the present step, and what is prepared of the system for such steps: the last one may be
+    /// shorter.
     size: f64,
     prepared: &'j PreparedOf<H, E>,
     path: u64,
@@ -47,10 +48,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     p: Vec<Lanes<L>>,
     /// Data of previous steps, and the memory that steps in lanes allocate once.
     memory: MemoryOf<H, E, Lanes<L>>,
-    /// The same by lane; none where nothing is remembered.
+    /// The memories by lane; none where nothing is remembered.
     apart: Vec<MemoryOf<H, E, Lanes<1>>>,
-    /// Whether these are the memories: between a step that not all lanes could take the short way and the first after which all remember as much,
-    /// and go side by side.
+    /// Whether the memories by lane are in use: from a step that some lanes could not take by the fast method
+    /// to the first step after which all lanes remember as much.
     are_apart: bool,
     pub(super) increments: LaneIncrements<'j, L>,
     /// Lanes that are paths of this run; others only keep the vector full.
@@ -67,26 +68,29 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     single: [Vec<Lanes<1>>; 3],
     /// The prepared numbers of each path, if it has a system of its own.
     own: Vec<PreparedOf<H, E>>,
-    /// The same in lanes, where systems go so.
+    /// The prepared numbers in lanes, where systems are in lanes.
     gathered: Option<PreparedOf<H, E, Lanes<L>>>,
-    /// Where steps are no matter of lanes ([`Properties::in_lanes`](crate::scheme::system::Properties::in_lanes)), or systems of paths are not, or somebody looks inside steps of which
-    /// lanes keep less than a stepper: one for each.
+    /// One stepper per path: if the scheme
+    /// ([`Properties::in_lanes`](crate::scheme::system::Properties::in_lanes)) or the systems cannot run in
+    /// lanes, or if dense output is needed that lanes do not have.
     steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
     subdivision: Option<Subdivision<'j, H, E, Plain>>,
     /// The last step of each lane that was halved, and how often.
     halved: [(u64, u32); L],
-    /// The step that each lane begins without a guide, the first or one after a halved or hard one, and the last of these.
+    /// The step that each lane begins without a guide, the first or one after a halved or hard one, and the
+    /// last of these.
     unguided: [u64; L],
     anew: u64,
     /// Where that one began, by lane.
     starts: Vec<State<H::Vector>>,
     /// What checks it, and its memory.
     checked: Option<Checked<'j, H, E>>,
-    /// The monitored energy of each lane, and the next step at which one is tested; empty where nothing is monitored.
+    /// The monitored energy of each lane, and the next step at which one is tested; empty where nothing is
+    /// monitored.
     watches: Vec<Watch<H::Vector>>,
     next_look: u64,
-    /// Of lanes that are looked at in this step.
+    /// The scratch of the lanes whose energy is tested in this step.
     looked: Vec<(usize, Box<Room<H::Vector>>)>,
     /// What the parts of a divided step are compared with.
     motions: Motions<H::Vector>,
@@ -100,7 +104,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
 impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, E, P, L> {
     /// The paths of a job, and those of a coarser one beside them.
     pub(super) fn new(job: &'j Job<'a, H, E>, coarse: Option<&'j Job<'a, H, E>>) -> Self {
-        // That of the system, which may not know it.
+        // The number of processes of the system, which may not know it.
         let processes = job.processes();
         let mut increments = LaneIncrements::new(&job.source, processes, job.h);
         if Self::goes_alone(job) {
@@ -209,7 +213,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         Ok(())
     }
 
-    /// The last step is next, and is shorter than the others: all lanes take it together. It is none of the steps that watches compare.
+    /// The last step is next, and is shorter than the others: all lanes take it together. It is none of the
+    /// steps that watches compare.
     ///
     /// # Errors
     /// The errors of a system that cannot be prepared, and of a noise that has no increments.
@@ -299,7 +304,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         self.gathered = if self.job.all_gather { gather() } else { None };
     }
 
-    /// For each lane itself, or the first whose path has not failed, if there is one, in place of one whose path has.
+    /// Maps each lane to itself, and each failed lane to the first lane still alive.
     fn living(&self) -> Option<[usize; L]> {
         let living = (0..L).find(|&lane| !self.failed[lane])?;
         Some(std::array::from_fn(|lane| if self.failed[lane] { living } else { lane }))
@@ -470,7 +475,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         state
     }
 
-    /// The state of a lane as observables see it.
+    /// The state of a lane for observables.
     fn look(&mut self, lane: usize) -> &mut State<H::Vector> {
         if self.is_stepped() {
             return &mut self.states[lane];
@@ -523,15 +528,14 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         self.failures.iter().find(|failure| failure.path == path).copied()
     }
 
-    /// The paths that failed since this was asked last, in the order of their numbers: they came in that of time, which depends on who ran
-    /// beside whom.
+    /// Failures since the last call, sorted by path number.
     pub(super) fn take_failures(&mut self) -> Vec<PathFailure> {
         in_order_of_paths(std::mem::take(&mut self.failures))
     }
 }
 
-/// A step the short way, of one system in all lanes, or of one in each where there are some: then all that it reads is in lanes, for one lane, too, so that
-/// the bits of a path do not depend on how many are beside it.
+/// One step of all lanes by the fast method. If each path has its own system, its constants are lanes, too,
+/// even for `L = 1`: the bits of a path do not depend on `L`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn advance<H: Discretized<E>, E, P: Systems, const L: usize>(
     system: &H,

@@ -49,7 +49,8 @@ impl Blocks {
 
 /// Where the increments of `L` paths come from.
 enum Origin<'j, const L: usize> {
-    /// Normals with these keys, by process; those that more is made of than increments are kept, by process and step.
+    /// Normals with these keys, by process; those that more is made of than increments are kept, by process
+    /// and step.
     Normals(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
     /// The key of the first process, and increments of one path, which goes alone, in the order of `values`.
     Alone([u32; 8], Vec<f64>),
@@ -70,12 +71,12 @@ pub(super) struct LaneIncrements<'j, const L: usize> {
     deviation: f64,
     /// The largest normal, in absolute value.
     clip: f64,
-    /// Of `STEPS` steps: those of the first, then those of the second, ...
+    /// The increments of `STEPS` steps, step after step.
     values: Vec<Lanes<L>>,
 }
 
 impl<'j, const L: usize> LaneIncrements<'j, L> {
-    /// Of so many processes in steps of size `h`.
+    /// Increments of so many processes in steps of size `h`.
     pub(super) fn new(source: &'j Source<'_>, processes: usize, h: f64) -> Self {
         let keys = source
             .normals
@@ -103,7 +104,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         self
     }
 
-    /// Keeps normals for whoever makes more of them than increments.
+    /// Also keeps the normals, from which multilevel runs make the increments of coarser paths.
     pub(super) fn keeping_normals(mut self) -> Self {
         if let Origin::Normals(keys, kept) = &mut self.origin {
             kept.resize(keys.len(), [[0.0; L]; STEPS]);
@@ -158,7 +159,8 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         Ok(())
     }
 
-    /// Draws the increments of a last step that is shorter, of size `h` from the start of `interval` on, of those lanes that want any.
+    /// Draws the increments of a last step that is shorter, of size `h` from the start of `interval` on, of
+    /// those lanes that want any.
     ///
     /// # Errors
     /// The error of a noise that has none.
@@ -194,7 +196,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         Ok(())
     }
 
-    /// Of one path many processes are drawn at once.
+    /// Draws many processes of one path at once.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn draw_alone(&mut self, block: u64) {
         let Origin::Alone(key, values) = &mut self.origin else { return };
@@ -209,7 +211,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         }
     }
 
-    /// Of the lanes that are drawn at once, half are for the steps after the next [`STEPS`].
+    /// Half of the lanes that are drawn at once are for the steps after the next [`STEPS`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn draw_pairs(&mut self, step: u64) {
         let (blocks, Origin::Pairs(keys, drawn)) = (self.blocks, &mut self.origin) else { return };
@@ -276,14 +278,14 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         row.unwrap_or_default()
     }
 
-    /// The same of a path that goes alone; `None` where paths do not.
+    /// The increments of a path that goes alone; `None` where paths do not.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of_path(&self, step: u64) -> Option<&[f64]> {
         let Origin::Alone(_, values) = &self.origin else { return None };
         values.get(self.blocks.slot(step) * self.processes..)?.get(..self.processes)
     }
 
-    /// Those of a lane, anew.
+    /// Replaces the increments of a lane.
     pub(super) fn set(&mut self, lane: usize, step: u64, dw: &[f64]) {
         if let Origin::Alone(_, values) = &mut self.origin {
             let row = values.chunks_exact_mut(self.processes.max(1)).nth(self.blocks.slot(step));
@@ -293,7 +295,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         }
     }
 
-    /// The same as [`LaneIncrements::of`], to change them.
+    /// The increments of [`LaneIncrements::of`], to be changed.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of_mut(&mut self, step: u64) -> &mut [Lanes<L>] {
         let first = self.blocks.slot(step) * self.processes;

@@ -29,9 +29,9 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) level: u32,
     /// The start of all paths, or of path 0.
     pub(super) start: State<H::Vector>,
-    /// Those of all paths, if each has its own.
+    /// The starts of all paths, if each has its own.
     pub(super) starts: Option<ByPath<'a, State<H::Vector>>>,
-    /// Those of all paths, if each has its own; else none.
+    /// The systems of all paths, if each has its own; else none.
     pub(super) systems: Vec<H>,
     /// Whether any of these go in lanes together: a path takes the same steps whatever is beside it.
     pub(super) all_gather: bool,
@@ -86,7 +86,8 @@ impl<'a, H: Discretized<E>, E> Job<'a, H, E> {
     /// Whether [`Job::goes_path_by_path`] may be.
     pub(super) const MAY_GO_PATH_BY_PATH: bool = H::PROPERTIES.fills_registers_from < usize::MAX;
 
-    /// Whether paths go one after the other, because the steps of each are in vector instructions by themselves. Antithetic paths are drawn in pairs.
+    /// Whether paths go one after the other, because the steps of each are in vector instructions by
+    /// themselves. Antithetic paths are drawn in pairs.
     pub(super) fn goes_path_by_path(&self) -> bool {
         self.start.q.components().len() >= H::PROPERTIES.fills_registers_from && !self.source.is_antithetic()
     }
@@ -142,7 +143,8 @@ impl<'a, H: Discretized<E>, E> Job<'a, H, E> {
         Ok(start)
     }
 
-    /// The same paths on the next level of a multilevel run: in steps half as long, and with normals of their own.
+    /// The same paths on the next level of a multilevel run: in steps half as long, and with normals of their
+    /// own.
     ///
     /// # Errors
     /// Where there are more steps than can be counted, and those of a system that cannot be prepared.

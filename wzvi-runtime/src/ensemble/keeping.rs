@@ -29,10 +29,11 @@ impl<H: Discretized<E>, E, N, P> Ensemble<'_, H, E, N, P> {
     /// next: of one system, from one start, from [`Ensemble::starts`], or from the same list of starts.
     /// Systems by path must be the same.
     ///
-    /// With [`Ensemble::until_error`] the run ends at once if the checkpoint meets the targets. Otherwise, and after a stop, it continues.
+    /// With [`Ensemble::until_error`] the run ends at once if the checkpoint meets the targets. Otherwise,
+    /// and after a stop, it continues.
     ///
-    /// Functions cannot be compared: observables and events are told apart by their names and by their values at the start and
-    /// at the next three nodes of path 0.
+    /// Functions cannot be compared: observables and events are told apart by their names and by their values
+    /// at the start and at the next three nodes of path 0.
     pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
         self.setup.keeping = Keeping::to(checkpoint);
         self
@@ -120,7 +121,7 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
 }
 
 /// What tells starts apart, and the checksums by path of those of a function, of which the first are
-/// compared. Those of a list are all compared, also where the run has fewer paths.
+/// compared. All starts of a list are compared, also where the run has fewer paths.
 fn starts<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<((String, String), Vec<u64>), ConfigError> {
     let name = "the states where paths start";
     let said = |what: &str| (name.to_owned(), what.to_owned());
@@ -151,8 +152,8 @@ fn systems<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Option<(String, String)
         .then(|| ("the systems of the paths (checksum)".into(), checkpoint::checksum(bits)))
 }
 
-/// What tells functions apart that cannot be compared: their values at the start and at the first nodes of path 0, which the run
-/// visits itself. `p` and `p²` are the same at rest, but not a step later.
+/// What tells functions apart that cannot be compared: their values at the start and at the first nodes of
+/// path 0, which the run visits itself. `p` and `p²` are the same at rest, but not a step later.
 fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error> {
     let mut seen = Vec::new();
     let mut see = |state: &State<H::Vector>| {

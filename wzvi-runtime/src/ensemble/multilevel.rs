@@ -1,25 +1,27 @@
 //! Multilevel Monte Carlo: the mean of an observable at the cost of coarse steps.
 //!
-//! M. B. Giles, "Multilevel Monte Carlo path simulation", Oper. Res. 56 (2008) 607; "Multilevel Monte Carlo methods", Acta
-//! Numerica 24 (2015) 259, whose letters these are. With `P_l` the observable at the end in steps of `h_l = h / 2^l`,
+//! M. B. Giles, "Multilevel Monte Carlo path simulation", Oper. Res. 56 (2008) 607; "Multilevel Monte Carlo
+//! methods", Acta Numerica 24 (2015) 259, whose letters these are. With `P_l` the observable at the end in
+//! steps of `h_l = h / 2^l`,
 //!
 //! ```text
 //! E P_L = E P_0 + Σ_{l=1..L} E[P_l - P_{l-1}]
 //! ```
 //!
-//! and both terms of a difference run on the same Brownian path, so that its variance `V_l` falls with `l` like `h_l²` for
-//! a scheme of strong order one. With `C_l` steps per path, the variance `Σ V_l / N_l` is kept below its part of the error at the
-//! least cost by
+//! and both terms of a difference run on the same Brownian path, so that its variance `V_l` falls with `l`
+//! like `h_l²` for a scheme of strong order one. With `C_l` steps per path, the variance `Σ V_l / N_l` is
+//! kept below its part of the error at the least cost by
 //!
 //! ```text
 //! N_l = ⌈ √(V_l / C_l) Σ_k √(V_k C_k) / ((1 - θ) ε²) ⌉
 //! ```
 //!
-//! Levels are added until the remaining bias, estimated from the last differences, is below `√θ ε`. The cost of an error
-//! `ε` is then of order `ε^-2`, where one step size alone takes `ε^-3` with weak order one.
+//! Levels are added until the remaining bias, estimated from the last differences, is below `√θ ε`. The cost
+//! of an error `ε` is then of order `ε^-2`, where one step size alone takes `ε^-3` with weak order one.
 //!
-//! The two paths of a difference have the normals `ξ_1, ξ_2` and `(ξ_1 + ξ_2)/√2`, each truncated with the bound of its own
-//! step size: `P_{l-1}` has the same law on both levels where it occurs, and the sum telescopes exactly.
+//! The two paths of a difference have the normals `ξ_1, ξ_2` and `(ξ_1 + ξ_2)/√2`, each truncated with the
+//! bound of its own step size: `P_{l-1}` has the same law on both levels where it occurs, and the sum
+//! telescopes exactly.
 
 mod estimate;
 mod run;
@@ -52,7 +54,8 @@ use crate::scheme::system::{Discretized, Hamiltonian};
 const MOST_LEVELS: u32 = 20;
 /// The default of the largest number of paths of a level.
 const MOST_PATHS: u64 = 1 << 50;
-/// Paths of the coarsest level after which an observable with one value throughout is given up, unless the user sets the number.
+/// Paths of the coarsest level after which an observable with one value throughout is given up, unless the
+/// user sets the number.
 const MOST_CONSTANT: u64 = 1 << 20;
 
 /// Nothing is observed yet.
@@ -63,11 +66,12 @@ pub enum Nothing {}
 #[derive(Clone, Copy, Debug)]
 pub enum Observed {}
 
-/// A multilevel run: the mean of one observable at the end, to a root mean square error, from coupled paths in steps of
-/// `h, h/2, h/4, ...`. [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) begins it, [`Multilevel::run`] runs it.
+/// A multilevel run: the mean of one observable at the end, to a root mean square error, from coupled paths
+/// in steps of `h, h/2, h/4, ...`. [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) begins
+/// it, [`Multilevel::run`] runs it.
 ///
-/// A run needs a start, an end, a seed, one observable and a target. `O` says whether there is an observable. Other settings of an
-/// [`Ensemble`], such as quantiles, have no meaning here.
+/// A run needs a start, an end, a seed, one observable and a target. `O` says whether there is an observable.
+/// Other settings of an [`Ensemble`], such as quantiles, have no meaning here.
 #[must_use = "nothing happens before `run`"]
 pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
     setup: Setup<'a, H>,
@@ -85,9 +89,10 @@ struct Levels {
 }
 
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
-    /// The mean of the one observable at the end, to a root mean square error of `target` (units of the observable), from
-    /// coupled paths: [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) with the start, end, seed,
-    /// observable, paths and threads of the ensemble. Its other settings have no meaning there, and are an error of the run.
+    /// The mean of the one observable at the end, to a root mean square error of `target` (units of the
+    /// observable), from coupled paths: [`Integrate::multilevel`](crate::integrate::Integrate::multilevel)
+    /// with the start, end, seed, observable, paths and threads of the ensemble. Its other settings have no
+    /// meaning there, and are an error of the run.
     pub fn multilevel(self, target: f64) -> Multilevel<'a, H, E, Observed> {
         let mut run = Multilevel::begun(self.setup);
         run.levels.target.set("multilevel", Brief(target), target);
@@ -96,7 +101,8 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
 }
 
 impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
-    /// A run of `system` whose coarsest steps have size `h`: the largest step with which a path is still meaningful.
+    /// A run of `system` whose coarsest steps have size `h`: the largest step with which a path is still
+    /// meaningful.
     pub fn new(system: &'a H, h: f64) -> Self {
         Self::begun(Setup::new(system, h))
     }
@@ -140,23 +146,25 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
         self
     }
 
-    /// How many paths of each level, at most, rounded up to what a level takes at once: 1024 on the coarsest, 64 from the fifth on.
+    /// How many paths of each level, at most, rounded up to what a level takes at once: 1024 on the coarsest,
+    /// 64 from the fifth on.
     pub fn paths(mut self, paths: u64) -> Self {
         self.setup.more.paths = Some(paths);
         self
     }
 
     /// Sets the weak order from which the remaining bias is estimated. The default is the one that
-    /// [`Plan::weak_order`](crate::scheme::plan::Plan::weak_order) proves for the scheme. Set a lower one for an observable that is not
-    /// smooth, such as an indicator. A higher one is an error of the run: with a wrong order the remaining bias is underestimated, and the
-    /// target is missed without a sign of it.
+    /// [`Plan::weak_order`](crate::scheme::plan::Plan::weak_order) proves for the scheme. Set a lower one for
+    /// an observable that is not smooth, such as an indicator. A higher one is an error of the run: with a
+    /// wrong order the remaining bias is underestimated, and the target is missed without a sign of it.
     pub fn weak_order(mut self, order: f64) -> Self {
         self.levels.weak_order = Some(order);
         self
     }
 
-    /// Resumes from the checkpoint if its file exists and belongs to this run, and writes checkpoints during the run and at its end, as
-    /// [`Ensemble::checkpoint`] does. The target, the weak order and the largest numbers of levels and paths are part of what makes two runs the same.
+    /// Resumes from the checkpoint if its file exists and belongs to this run, and writes checkpoints during
+    /// the run and at its end, as [`Ensemble::checkpoint`] does. The target, the weak order and the largest
+    /// numbers of levels and paths are part of what makes two runs the same.
     pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
         self.setup.keeping = Keeping::to(checkpoint);
         self
@@ -173,16 +181,19 @@ impl<H, E> Multilevel<'_, H, E, Observed>
 where
     H: Discretized<E> + Sync,
 {
-    /// Runs as many paths on as many levels as it takes. The result is the same, bit for bit, for any number of threads.
+    /// Runs as many paths on as many levels as it takes. The result is the same, bit for bit, for any number
+    /// of threads.
     ///
     /// # Errors
-    /// [`Error::Config`] if a setting is missing or invalid, or if a level has no step. [`Error::Level`] if a path fails or its observable
-    /// is not finite, since the mean without it would be biased. [`Error::Checkpoint`] if the file is not a checkpoint of this run.
+    /// [`Error::Config`] if a setting is missing or invalid, or if a level has no step. [`Error::Level`] if a
+    /// path fails or its observable is not finite, since the mean without it would be biased.
+    /// [`Error::Checkpoint`] if the file is not a checkpoint of this run.
     pub fn run(self) -> Result<MultilevelEstimate, Error> {
         self.run_in::<0>()
     }
 
-    /// [`Multilevel::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the same.
+    /// [`Multilevel::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the
+    /// result is the same.
     #[doc(hidden)]
     pub fn run_in<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
         let (target, weak_order) = self.checked()?;
@@ -190,7 +201,8 @@ where
         let execution = std::mem::take(&mut self.setup.execution);
         let stop = || execution.is_stopped();
         let (span, paths) = (&mut self.setup.span, self.setup.more.paths);
-        // Steps of all levels end at the nodes of the coarsest: beyond the requested end only where the user says so.
+        // Steps of all levels end at the nodes of the coarsest: beyond the requested end only where the user
+        // says so.
         let end = if span.is_whole { None } else { span.end.value().copied() };
         span.is_whole = true;
         self.setup.more.paths = Some(paths.unwrap_or(MOST_PATHS));

@@ -10,7 +10,8 @@ const WANTED: Duration = Duration::from_millis(10);
 /// Pieces of work between two questions, at most: one question a step would cost as much as a short step.
 const MOST: u32 = 1024;
 
-/// Asks now and then, more often where a piece of work (a step of some paths, the observables of one) takes longer.
+/// Asks now and then, more often where a piece of work (a step of some paths, the observables of one) takes
+/// longer.
 pub(super) struct Pace<'s> {
     stop: Stop<'s>,
     left: u32,
@@ -29,7 +30,8 @@ impl<'s> Pace<'s> {
         u64::from(self.left)
     }
 
-    /// Whether the run ends here, where so many more pieces of work are done, [`Pace::left`] at most: if it is time to ask, and the answer is to stop.
+    /// Counts `pieces` units of work, [`Pace::left`] at most, and asks whether to stop when it is time to
+    /// ask.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn ends_after(&mut self, pieces: u64) -> bool {
         debug_assert!(

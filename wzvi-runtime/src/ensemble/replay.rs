@@ -19,8 +19,9 @@ where
     N: Noise,
     P: Systems,
 {
-    /// The path with this number as the ensemble has it, bit for bit: as far as it goes, and what ended it early, if anything did. Nodes
-    /// are recorded as for a single path, by [`Ensemble::record_every`] and [`Ensemble::record_at`]; observables are not evaluated.
+    /// The path with this number as the ensemble has it, bit for bit: as far as it goes, and what ended it
+    /// early, if anything did. Nodes are recorded as for a single path, by [`Ensemble::record_every`] and
+    /// [`Ensemble::record_at`]; observables are not evaluated.
     ///
     /// ```ignore
     /// let failure = statistics.failures()[0];
@@ -28,12 +29,13 @@ where
     /// assert_eq!(error, Some(failure.error.into()));
     /// ```
     ///
-    /// Its increments are those of [`StepNormals::path`](crate::noise::StepNormals::path), or of the noise that the ensemble was given, and
-    /// drive any other run.
+    /// Its increments are those of [`StepNormals::path`](crate::noise::StepNormals::path), or of the noise
+    /// that the ensemble was given, and drive any other run.
     ///
     /// # Errors
-    /// The errors of [`Ensemble::run`] that show before the first step, and [`ConfigError::Setting`](crate::error::ConfigError::Setting) for a path that
-    /// the ensemble does not have.
+    /// The errors of [`Ensemble::run`] that show before the first step, and
+    /// [`ConfigError::Setting`](crate::error::ConfigError::Setting) for a path that the ensemble does not
+    /// have.
     pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error> {
         let recorded = self.setup.recorded.clone();
         let job = self.job(&|| false)?;

@@ -1,4 +1,5 @@
-//! Numbered blocks of work on several threads, and on several ranks, with results that arrive in the order of the numbers.
+//! Numbered blocks of work on several threads, and on several ranks, with results that arrive in the order of
+//! the numbers.
 
 mod queue;
 
@@ -71,9 +72,10 @@ impl<T> Drop for StopOnPanic<'_, T> {
     }
 }
 
-/// Does `work` for every number of `blocks` on so many threads, the caller's among them, and gives the results to `take`
-/// in the order of the numbers, one at a time. `take` ends early with [`ControlFlow::Break`]; work in progress
-/// is then dropped. A panic in `work` or `take` ends it, too, and continues in the caller.
+/// Does `work` for every number of `blocks` on so many threads, the caller's among them, and gives the
+/// results to `take` in the order of the numbers, one at a time. `take` ends early with
+/// [`ControlFlow::Break`]; work in progress is then dropped. A panic in `work` or `take` ends it, too, and
+/// continues in the caller.
 pub(crate) fn in_order<T: Send>(
     blocks: Range<u64>,
     threads: usize,
@@ -93,7 +95,8 @@ pub(crate) fn in_order<T: Send>(
     together(others as usize, &run);
 }
 
-/// Gives to `take` what has arrived in order. While one thread is at it, others wait: none runs ahead of `take`.
+/// Gives to `take` what has arrived in order. While one thread is at it, others wait: none runs ahead of
+/// `take`.
 fn take_what_is_next<T>(shared: &Shared<T>, take: &Mutex<impl FnMut(u64, T) -> ControlFlow<()>>) {
     let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
     loop {

@@ -1,4 +1,5 @@
-//! What drives the paths of an ensemble: the normals of its lanes, or any noise that has a path for each member.
+//! What drives the paths of an ensemble: the normals of its lanes, or any noise that has a path for each
+//! member.
 
 use crate::error::wrong;
 use crate::increments::{Identity, Interval};
@@ -71,7 +72,8 @@ impl<'a> Source<'a> {
         self.normals.as_ref().is_some_and(StepNormals::is_antithetic)
     }
 
-    /// The largest normal for steps of size `h`, in absolute value; infinite for other noises, which truncate by themselves.
+    /// The largest normal for steps of size `h`, in absolute value; infinite for other noises, which truncate
+    /// by themselves.
     pub(super) fn clip(&self, h: f64) -> f64 {
         self.normals.as_ref().map_or(f64::INFINITY, |normals| normals.clip(h))
     }

@@ -52,7 +52,7 @@ pub(super) enum Drawn {
 }
 
 impl<T: Clone> ByPath<'_, T> {
-    /// That of a path; `None` beyond the end of a list.
+    /// The value of a path; `None` beyond the end of a list.
     pub(super) fn of(&self, drawn: Drawn, seed: u64, path: u64) -> Option<T> {
         match self {
             Self::Listed(list) => usize::try_from(path).ok().and_then(|path| list.get(path)).cloned(),
@@ -70,7 +70,7 @@ impl<T> ByPath<'_, T> {
         }
     }
 
-    /// Those of so many paths; fewer if the list is shorter.
+    /// The values of so many paths; fewer if the list is shorter.
     ///
     /// # Errors
     /// If there is no memory for them.
@@ -149,10 +149,12 @@ pub(super) fn check_systems<H: Discretized<E>, E>(
     Ok(())
 }
 
-/// Random numbers for the start, or for the system, of one path, by the seed of the ensemble and the number of the path.
+/// Random numbers for the start, or for the system, of one path, by the seed of the ensemble and the number
+/// of the path.
 ///
-/// They are those of ChaCha8 under a key that no increment is drawn with, so that starts, systems and noise are independent, and they depend on
-/// neither the step size nor the scheme: two ensembles of the same seed start at the same states.
+/// They are those of ChaCha8 under a key that no increment is drawn with, so that starts, systems and noise
+/// are independent, and they depend on neither the step size nor the scheme: two ensembles of the same seed
+/// start at the same states.
 #[derive(Clone, Debug)]
 pub struct Draw {
     key: [u32; 8],
@@ -214,7 +216,8 @@ mod tests {
     use super::{Draw, Drawn};
     use crate::noise::step_normals;
 
-    /// 20 000 of each: mean and variance of both distributions within five standard errors; no two paths or seeds alike.
+    /// 20 000 of each: mean and variance of both distributions within five standard errors; no two paths or
+    /// seeds alike.
     #[test]
     fn draws_have_their_distributions() {
         let n = 20_000;

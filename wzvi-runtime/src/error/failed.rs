@@ -8,7 +8,7 @@ impl FailedLanes {
     /// The number of lanes that it can hold.
     pub const MOST: usize = u64::BITS as usize;
 
-    /// Those of either set.
+    /// The lanes of either set.
     #[cfg_attr(not(debug_assertions), inline(always))]
     #[must_use]
     pub fn or(self, other: Self) -> Self {

@@ -20,15 +20,17 @@ pub enum StepFailure {
         /// Largest absolute value in the matrix.
         scale: f64,
     },
-    /// The solution that continues the state could not be followed from a step of size zero to the whole step.
+    /// The solution that continues the state could not be followed from a step of size zero to the whole
+    /// step.
     NoSolution {
         /// Fraction of the step, of `h` and of the increments, up to which there is one.
         reached: f64,
     },
-    /// The steps are too long for the motion. Either the energy has been off by more than a tenth of the size of the motion for 64 steps, or
-    /// the halves of a divided step do not agree.
+    /// The steps are too long for the motion. Either the energy has been off by more than a tenth of the size
+    /// of the motion for 64 steps, or the halves of a divided step do not agree.
     Unresolved {
-        /// The smallest change of the energy over these steps, or the difference between the halves, in units of energy.
+        /// The smallest change of the energy over these steps, or the difference between the halves, in units
+        /// of energy.
         energy_error: f64,
         /// The mean of `|p · Δq / h|` so far, twice the kinetic energy of a mechanical system.
         scale: f64,
@@ -37,13 +39,14 @@ pub enum StepFailure {
     },
     /// The state is finite, and its energy is not a number: a step left the domain of `H`.
     UndefinedEnergy,
-    /// Only in [derivatives](crate::path::simulate::Simulation::tangent): dual numbers solve each step anew, and found another solution than the step, or
-    /// did not come back to its start.
+    /// Only in [derivatives](crate::path::simulate::Simulation::tangent): dual numbers solve each step anew,
+    /// and found another solution than the step, or did not come back to its start.
     OtherSolution {
         /// The difference between the two relative to the length of the step, largest component.
         apart: f64,
     },
-    /// The sweeps of a Gauss method do not contract, and its equations are too many for Newton's method, which factors one matrix of all stages.
+    /// The sweeps of a Gauss method do not contract, and its equations are too many for Newton's method,
+    /// which factors one matrix of all stages.
     TooManyUnknowns {
         /// Unknowns of all stages.
         unknowns: usize,
@@ -52,7 +55,7 @@ pub enum StepFailure {
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
-    /// The same of a system with an infinite parameter, the probable cause.
+    /// The new state is not finite, and neither is a parameter of the system, the probable cause.
     Infinite {
         /// Its name in the Hamiltonians.
         parameter: &'static str,
@@ -77,15 +80,16 @@ pub enum StepFailure {
     Bath(BathError),
     /// The state or an increment that was given is NaN or infinite.
     NonFiniteInput,
-    /// Only in a step of several paths in lanes: the paths of these lanes could not take the step and are unchanged, the others have taken
-    /// it. A step of one of them alone reports the cause.
+    /// Only in a step of several paths in lanes: the paths of these lanes could not take the step and are
+    /// unchanged, the others have taken it. A step of one of them alone reports the cause.
     Lanes(FailedLanes),
     /// A bug of wzvi: an assumption of the step does not hold. The state is unchanged.
     Internal(StepPromise),
 }
 
 impl StepFailure {
-    /// Whether no way to solve the step would change it: the system, the state and the increments do not belong together.
+    /// Whether no way to solve the step would change it: the system, the state and the increments do not
+    /// belong together.
     pub(crate) fn is_of_arguments(&self) -> bool {
         matches!(
             self,

@@ -20,7 +20,7 @@ pub struct Name {
 }
 
 impl Name {
-    /// Of its parts.
+    /// A name from its parts.
     pub const fn new(name: &'static str, suffix: &'static str) -> Self {
         Self { name, suffix }
     }
@@ -46,7 +46,8 @@ pub enum IndexLimit {
     Entries(usize),
     /// An `isize`.
     Integers,
-    /// Not negative: an integer of an unsigned type, or its distance from the largest or least number of a type.
+    /// Not negative: an integer of an unsigned type, or its distance from the largest or least number of a
+    /// type.
     Natural,
     /// Not zero.
     Divisor,
@@ -77,8 +78,8 @@ impl IndexError {
         self.limit
     }
 
-    /// What has the value, as the Hamiltonian names it: `bonds[17].1`. For [`IndexLimit::Entries`] the list that is read
-    /// there.
+    /// What has the value, as the Hamiltonian names it: `bonds[17].1`. For [`IndexLimit::Entries`] the list
+    /// that is read there.
     pub fn name(&self) -> String {
         let at: String =
             self.at[..usize::from(self.levels)].iter().map(|index| format!("[{index}]")).collect();

@@ -1,6 +1,7 @@
 //! What the library promises to itself.
 
-/// A bug of wzvi, not of its user: an assumption of the library does not hold. Nothing was returned that depends on it.
+/// A bug of wzvi, not of its user: an assumption of the library does not hold. Nothing was returned that
+/// depends on it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InternalError {
     promise: &'static str,
@@ -26,7 +27,8 @@ impl InternalError {
 pub enum StepPromise {
     /// A system whose steps go window by window has windows.
     Windows,
-    /// Friction and noise are taken together with the drifts around them only where rates and masses are lists.
+    /// Friction and noise are taken together with the drifts around them only where rates and masses are
+    /// lists.
     ListedRates,
     /// The constants of a step have derivatives only where its scheme takes them along.
     PlainConstants,

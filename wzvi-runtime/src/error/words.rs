@@ -6,7 +6,8 @@ use crate::ground::numbers::{Numbers, Tape, numbers};
 /// Where those of a bath begin.
 const BATH: u64 = 9;
 
-/// Words after all of them: failed lanes, another solution, too many unknowns, internal errors, infinite parameters, and energies.
+/// Words after all of them: failed lanes, another solution, too many unknowns, internal errors, infinite
+/// parameters, and energies.
 const LANES: u64 = u64::MAX;
 const OTHER: u64 = LANES - 1;
 const TOO_MANY: u64 = LANES - 2;
@@ -138,7 +139,7 @@ mod tests {
             }
         }
         for nonsense in [
-            // Of a degree of freedom that no state has.
+            // A degree of freedom that no state has.
             [BATH + (1 << 50), 0, 0],
             [u64::MAX, 0, 0],
             [INTERNAL, StepPromise::ALL.len() as u64, 0],

@@ -23,7 +23,7 @@ pub(crate) struct Part<'p> {
     pub(crate) step: u64,
     /// Its increments.
     pub(crate) dw: &'p [f64],
-    /// Those of the parts after it; empty where there are none.
+    /// The increments of the parts after it; empty where there are none.
     pub(crate) later: &'p [f64],
     /// Whether the step ends with it.
     pub(crate) is_last: bool,
@@ -41,7 +41,8 @@ impl<'s, 'a, V: Vector> Between<'s, 'a, V> {
         }
     }
 
-    /// The next node, after this one, at which to look: both nodes of each step that something is looked for in.
+    /// The next node, after this one, at which to look: both nodes of each step that something is looked for
+    /// in.
     pub(crate) fn next(&self, node: u64, inside: Option<Moment>) -> u64 {
         match inside {
             _ if !self.sections.is_empty() => node + 1,

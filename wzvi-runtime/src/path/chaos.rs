@@ -1,7 +1,7 @@
 //! Indicators of chaos: how deviations from a path grow.
 //!
-//! A deviation is multiplied by the derivative of each step, `δ_k = T_k δ_{k-1}`, with the increments of the path. With
-//! `l_k = ln(|δ_k| / |δ_{k-1}|)` after `n` steps of size `h`:
+//! A deviation is multiplied by the derivative of each step, `δ_k = T_k δ_{k-1}`, with the increments of the
+//! path. With `l_k = ln(|δ_k| / |δ_{k-1}|)` after `n` steps of size `h`:
 //!
 //! | indicator | definition | regular | chaotic |
 //! |---|---|---|---|
@@ -11,11 +11,13 @@
 //! | GALI_k | volume of `k` unit deviations | stays for `k ≤ d`, else falls like a power | falls exponentially |
 //! | FLI | largest `ln \|δ\|` so far | grows like `ln T` | grows like `λ_1 T` |
 //!
-//! MEGNO is the one for maps (P. M. Cincotta, C. M. Giordano, C. Simó, "Phase space structure of multi-dimensional systems by means of the mean exponential
-//! growth factor of nearby orbits", Physica D 182, 2003), GALI that of Ch. Skokos, T. C. Bountis, Ch. Antonopoulos, Physica D 231, 2007.
+//! MEGNO is the one for maps (P. M. Cincotta, C. M. Giordano, C. Simó, "Phase space structure of
+//! multi-dimensional systems by means of the mean exponential growth factor of nearby orbits", Physica D 182,
+//! 2003), GALI that of Ch. Skokos, T. C. Bountis, Ch. Antonopoulos, Physica D 231, 2007.
 //!
-//! **Deviations at the start are generic**: unit vectors in directions without symmetry. From a start that a symmetry fixes, as `x = 0, p_y = 0` of
-//! Hénon and Heiles, unit vectors along the axes are exceptions. Regular paths then have `Ȳ → 0` there in place of 2.
+//! **Deviations at the start are generic**: unit vectors in directions without symmetry. From a start that a
+//! symmetry fixes, as `x = 0, p_y = 0` of Hénon and Heiles, unit vectors along the axes are exceptions.
+//! Regular paths then have `Ȳ → 0` there in place of 2.
 //!
 //! **Errors** are in [`Spectrum`].
 
@@ -36,7 +38,8 @@ pub use spectrum::{Spectrum, SpectrumSeries};
 /// Other paths beside the one of the run, if nothing else was said.
 const COPIES: u32 = 8;
 
-/// A run together with deviations from its path: [`Simulation::deviations`] or [`Simulation::copies`] begins it.
+/// A run together with deviations from its path: [`Simulation::deviations`] or [`Simulation::copies`] begins
+/// it.
 #[derive(Clone, Debug)]
 #[must_use = "nothing happens before `lyapunov` or `indicators`"]
 pub struct Deviations<'a, H: Hamiltonian, E, N, S = UsualSums> {
@@ -51,8 +54,8 @@ where
     N: Noise,
     S: Summation<H, E>,
 {
-    /// The same run with these deviations at its start, in place of generic ones. Each has one number for each coordinate and then one for each
-    /// momentum; only its direction counts.
+    /// The same run with these deviations at its start, in place of generic ones. Each has one number for
+    /// each coordinate and then one for each momentum; only its direction counts.
     pub fn deviations<D: Into<Vec<f64>>>(
         self,
         deviations: impl IntoIterator<Item = D>,
@@ -61,7 +64,8 @@ where
         Deviations { given: Some(given), ..self.generic() }
     }
 
-    /// The same run with so many other paths for the errors of [`Simulation::lyapunov`]; the default is 8, and 0 leaves errors out.
+    /// The same run with so many other paths for the errors of [`Simulation::lyapunov`]; the default is 8,
+    /// and 0 leaves errors out.
     pub fn copies(self, copies: u32) -> Deviations<'a, H, E, N, S> {
         Deviations { copies, ..self.generic() }
     }
@@ -95,7 +99,8 @@ where
     }
 }
 
-/// The deviations of a run with this many degrees of freedom: `wanted` ones, of those that are given the first.
+/// The deviations of a run with this many degrees of freedom: `wanted` ones, of those that are given the
+/// first.
 ///
 /// # Errors
 /// [`ConfigError::Setting`] for more than are independent, for fewer given ones, and for those that are none.

@@ -57,9 +57,11 @@ macro_rules! any_of {
 }
 
 any_of! {
-    /// Anything that can go wrong, for `main` and `?`: its `Debug` is its `Display`, which is what a `main` that returns it shows.
+    /// Anything that can go wrong, for `main` and `?`: its `Debug` is its `Display`, which is what a `main`
+    /// that returns it shows.
     ///
-    /// The message of an error contains those of its causes: [`source`](std::error::Error::source) has nothing to add.
+    /// The message of an error contains those of its causes: [`source`](std::error::Error::source) has
+    /// nothing to add.
     #[derive(Clone, PartialEq)]
     #[non_exhaustive]
     Error:

@@ -1,6 +1,7 @@
 //! Settings that several builders share: each is written once, and its value is checked in one place.
 //!
-//! `options!(start, end, ...)` inside an `impl` of a builder gives it the methods; the builder has a field `setup` with those that they set.
+//! `options!(start, end, ...)` inside an `impl` of a builder gives it the methods; the builder has a field
+//! `setup` with those that they set.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -68,7 +69,8 @@ impl<'a, V, K> Functions<'a, V, K> {
     }
 }
 
-/// In the place of an observable that is no function of the state alone: whoever looks at a path puts its value there.
+/// In the place of an observable that is no function of the state alone: whoever looks at a path puts its
+/// value there.
 pub(crate) fn elsewhere<V>(_: &State<V>) -> f64 {
     f64::NAN
 }
@@ -177,10 +179,11 @@ macro_rules! options {
         }
     };
     (@ end) => {
-        /// Runs to time `end` (time units of the Hamiltonian). Where `end` is no multiple of the step from the start, the last step is shorter.
+        /// Runs to time `end` (time units of the Hamiltonian). Where `end` is no multiple of the step from
+        /// the start, the last step is shorter.
         ///
-        /// A multiple up to the rounding of these times counts as one: `until(20.0)` with `h = 0.02` takes 1000 steps, all of the size `h`. It is
-        /// an error together with `steps`.
+        /// A multiple up to the rounding of these times counts as one: `until(20.0)` with `h = 0.02` takes
+        /// 1000 steps, all of the size `h`. It is an error together with `steps`.
         pub fn until(mut self, end: f64) -> Self {
             self.setup.span.end.set("until", crate::ground::digits::Brief(end), crate::path::span::End::Time(end));
             self
@@ -195,18 +198,19 @@ macro_rules! options {
     (@ whole) => {
         /// Takes whole steps only: the run ends at the first node at or beyond the time of `until`.
         ///
-        /// Without it, a last step that is shorter is prepared once, like the others. Its increments belong to its own interval: `Wiener` and
-        /// `WongZakai` give those of the path, and `StepNormals` and seeds of ensembles draw separate normals. `Increments` have none for a shorter
-        /// step. Another noise must implement [`Noise::increments_of_part`](crate::increments::Noise::increments_of_part), or the run does not
-        /// start.
+        /// Without it, a last step that is shorter is prepared once, like the others. Its increments belong
+        /// to its own interval: `Wiener` and `WongZakai` give those of the path, and `StepNormals` and seeds
+        /// of ensembles draw separate normals. `Increments` have none for a shorter step. Another noise must
+        /// implement [`Noise::increments_of_part`](crate::increments::Noise::increments_of_part), or the run
+        /// does not start.
         pub fn whole_steps(mut self) -> Self {
             self.setup.span.is_whole = true;
             self
         }
     };
     (@ section) => {
-        /// Finds the crossings, in both directions, of the section on which `value`, a function of the state, is zero
-        /// ([`crate::path::section`]). May be called more than once; sections are numbered from 0.
+        /// Finds the crossings, in both directions, of the section on which `value`, a function of the state,
+        /// is zero ([`crate::path::section`]). May be called more than once; sections are numbered from 0.
         pub fn section(mut self, value: impl Fn(&crate::algebra::state::State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
             self.setup.sections.push(None, value);
             self
@@ -223,23 +227,25 @@ macro_rules! options {
         }
     };
     (@ record) => {
-        /// Records every `stride`-th node, the start and the last node; 0 records only these two. Without this and `record_at`, a single
-        /// path records all nodes, and an ensemble the start and the last one.
+        /// Records every `stride`-th node, the start and the last node; 0 records only these two. Without
+        /// this and `record_at`, a single path records all nodes, and an ensemble the start and the last one.
         pub fn record_every(mut self, stride: u64) -> Self {
             self.setup.recorded.every = Some(stride);
             self
         }
 
-        /// Records the states at these times as well. A time equal to a node up to rounding is that node; others are on the dense output of
-        /// their step ([`crate::scheme::dense`]). The states come in the order of the run. Two times at the same node are an error. Without
-        /// `record_every`, the run records only these, the start and the end.
+        /// Records the states at these times as well. A time equal to a node up to rounding is that node;
+        /// others are on the dense output of their step ([`crate::scheme::dense`]). The states come in the
+        /// order of the run. Two times at the same node are an error. Without `record_every`, the run records
+        /// only these, the start and the end.
         pub fn record_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
             self.setup.recorded.times.extend(times);
             self
         }
     };
     (@ observe) => {
-        /// Adds an observable, a function of the state. The result has its values at the recorded nodes under this name.
+        /// Adds an observable, a function of the state. The result has its values at the recorded nodes under
+        /// this name.
         pub fn observe(
             mut self,
             name: impl Into<String>,
@@ -263,8 +269,9 @@ macro_rules! options {
                 .observe_own("configurational temperature", crate::path::series::configurational)
         }
 
-        /// The same of each degree of freedom, numbered from 0: `kinetic temperature 0`, ..., `configurational temperature 0`, ... Their
-        /// number is that of a system that knows its size, or of the start, which is then given before.
+        /// Observes the temperatures of each degree of freedom, numbered from 0: `kinetic temperature 0`,
+        /// ..., `configurational temperature 0`, ... Their number is that of a system that knows its size, or
+        /// of the start, which is then given before.
         pub fn observe_equipartition(mut self) -> Self
         where
             H: Sync,
@@ -285,8 +292,10 @@ macro_rules! options {
         }
     };
     (@ watch) => {
-        /// Does not monitor the energy, and continues where it has changed permanently; without it, a run of a system that conserves its energy ends there with
-        /// [`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved). Use it if you check the energy yourself.
+        /// Does not monitor the energy, and continues where it has changed permanently; without it, a run of
+        /// a system that conserves its energy ends there with
+        /// [`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved). Use it if you check the energy
+        /// yourself.
         pub fn unwatched(mut self) -> Self {
             self.setup.is_watched = false;
             self
@@ -301,19 +310,20 @@ macro_rules! options {
             self
         }
 
-        /// Lets this handle stop the run and report its progress ([`crate::ground::handle`]). A stopped run returns its results so far, marked
-        /// as partial.
+        /// Lets this handle stop the run and report its progress ([`crate::ground::handle`]). A stopped run
+        /// returns its results so far, marked as partial.
         pub fn handle(mut self, handle: &crate::ground::handle::Handle) -> Self {
             self.setup.execution.handle = Some(handle.clone());
             self
         }
     };
     (@ progress) => {
-        /// Ends the run early when `stop` returns true, at a deadline for example. The result then covers the work so far, and is marked as
-        /// partial.
+        /// Ends the run early when `stop` returns true, at a deadline for example. The result then covers the
+        /// work so far, and is marked as partial.
         ///
-        /// All threads call it about every 10 ms, and after each step or observed path that takes longer; a single path calls it ten times a
-        /// second, and ends with `Error::Stopped`. A [handle](Self::handle) also stops a run.
+        /// All threads call it about every 10 ms, and after each step or observed path that takes longer; a
+        /// single path calls it ten times a second, and ends with `Error::Stopped`. A [handle](Self::handle)
+        /// also stops a run.
         pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
             self.setup.execution.stop = Some(std::sync::Arc::new(stop));
             self
@@ -326,8 +336,8 @@ macro_rules! options {
         }
     };
     (@ instructions) => {
-        /// Uses these vector instructions, or the baseline's where the machine does not have them. The default is the best that the machine
-        /// has. The result is the same.
+        /// Uses these vector instructions, or the baseline's where the machine does not have them. The
+        /// default is the best that the machine has. The result is the same.
         pub fn instructions(mut self, set: crate::algebra::lanes::instructions::InstructionSet) -> Self {
             self.setup.execution.instructions = Some(set);
             self

@@ -1,4 +1,4 @@
-//! What of a run is recorded: some of its nodes, and times between them.
+//! Which nodes of a run are recorded, and which times between them.
 
 use crate::error::{ConfigError, wrong};
 use crate::ground::digits::Brief;
@@ -14,10 +14,11 @@ pub(crate) struct Request {
 }
 
 impl Request {
-    /// That of a run with these nodes; every `default` steps if nothing was said.
+    /// The recording of a run with these nodes; every `default` steps if nothing was said.
     ///
     /// # Errors
-    /// [`ConfigError::Setting`] for a time that the run does not get to, or that does not come after the one before.
+    /// [`ConfigError::Setting`] for a time that the run does not get to, or that does not come after the one
+    /// before.
     pub(crate) fn checked(&self, default: u64, grid: &Grid) -> Result<Recording, ConfigError> {
         let every = self.every.unwrap_or(if self.times.is_empty() { default } else { 0 });
         let mut recording = Recording { every, times: self.times.clone(), ..Recording::default() };

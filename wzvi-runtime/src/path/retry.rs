@@ -1,15 +1,16 @@
 //! Steps that fail are halved.
 //!
-//! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path has there, so that the retry
-//! converges to the same solution. Only the step without solution is subdivided.
+//! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path
+//! has there, so that the retry converges to the same solution. Only the step without solution is subdivided.
 //!
-//! Without noise, `2^m` parts are accepted when they agree with `2^(m-1)` parts. A solution alone is not enough, since a step that skips a
-//! pericentre often has one. The difference of the two is weighted by the slopes of the energy, and compared with the mean of `p · dq/dt`
-//! (`AGREEMENT` in `watch.rs`). With noise, no step is closer to the exact path than its strong order allows, and any parts that have a
-//! solution are accepted.
+//! Without noise, `2^m` parts are accepted when they agree with `2^(m-1)` parts. A solution alone is not
+//! enough, since a step that skips a pericentre often has one. The difference of the two is weighted by the
+//! slopes of the energy, and compared with the mean of `p · dq/dt` (`AGREEMENT` in `watch.rs`). With noise,
+//! no step is closer to the exact path than its strong order allows, and any parts that have a solution are
+//! accepted.
 //!
-//! A run whose energy has changed ([`StepFailure::Unresolved`]) cannot be repaired at that point. It starts again with all its steps
-//! subdivided once more, so that they stay uniform.
+//! A run whose energy has changed ([`StepFailure::Unresolved`]) cannot be repaired at that point. It starts
+//! again with all its steps subdivided once more, so that they stay uniform.
 
 use std::ops::Range;
 
@@ -26,7 +27,8 @@ use crate::path::watch::{AGREEMENT, Watch, disagreement};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{CarryOf, Discretized, Hamiltonian, MemoryOf};
 
-/// How often steps may be halved. The default is never, because the long-time behaviour of a symplectic scheme depends on uniform steps.
+/// How often steps may be halved. The default is never, because the long-time behaviour of a symplectic
+/// scheme depends on uniform steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Retry {
     most: u32,
@@ -78,7 +80,7 @@ pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
     is_watched: bool,
     threads: Threads,
     way: Way,
-    /// Of the steps of that way.
+    /// Monitors the energy of the steps of that way.
     pub(crate) watch: Watch<H::Vector>,
     /// Takes the steps of that way.
     pub(crate) stepper: Stepper<'a, H, E, C>,
@@ -103,7 +105,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         Ok(Self { system, h, size: h, retry, is_watched, threads, way, watch, stepper, part: Vec::new() })
     }
 
-    /// The same of another run.
+    /// The subdivision of another run with the same settings.
     pub(crate) fn anew(&self) -> Result<Self, ConfigError> {
         Self::new(self.system, self.h, self.retry, self.is_watched, self.threads)
     }
@@ -115,7 +117,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
 
     /// Subdivides every step of the run once more, if that may help against `error` and is allowed.
     pub(crate) fn refine(&mut self, error: &Error) -> Result<bool, ConfigError> {
-        // A divided step whose halves do not agree is shorter than the steps of the run, and has been halved as often as it may be.
+        // A divided step whose halves do not agree is shorter than the steps of the run, and has been halved
+        // as often as it may be.
         let own = self.stepper.step_size();
         let is_unresolved = match error {
             Error::Step(StepError {
@@ -189,7 +192,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         Ok(())
     }
 
-    /// A step in `2^from` parts, or as many more as it takes; `motion` is the mean of `p · dq/dt` along the path so far.
+    /// A step in `2^from` parts, or as many more as it takes; `motion` is the mean of `p · dq/dt` along the
+    /// path so far.
     #[cold]
     pub(crate) fn subdivide<N: Noise>(
         &mut self,
@@ -245,7 +249,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         }
     }
 
-    /// Why the second of two ends of a step from this state is not accepted: they disagree by more than is allowed.
+    /// Why the second of two ends of a step from this state is not accepted: they disagree by more than is
+    /// allowed.
     fn unsettled(
         &self,
         start: &State<H::Vector>,
@@ -311,7 +316,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         }
     }
 
-    /// The same, looked at.
+    /// Takes a whole step, and tests the energy at both of its ends.
     #[cold]
     fn watched<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
         let Step { state, interval, noise, dw } = step;
@@ -355,8 +360,8 @@ fn watched<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
     Ok(info)
 }
 
-/// The first of the `2^level` parts of a step of this size, and the numbers of all of them: among those of the run, or from 0 in a last step that
-/// is shorter.
+/// The first of the `2^level` parts of a step of this size, and the numbers of all of them: among those of
+/// the run, or from 0 in a last step that is shorter.
 ///
 /// # Errors
 /// [`ConfigError::Setting`] if they cannot be counted.
@@ -409,8 +414,8 @@ fn numbers_of_parts(step: u64, level: u32) -> Result<Range<u64>, ConfigError> {
     Ok(numbers)
 }
 
-/// Takes the `2^level` parts of a step of this size, and counts them as one. The increments of the step become the sums of theirs, for which there
-/// is room.
+/// Takes the `2^level` parts of a step of this size, and counts them as one. The increments of the step
+/// become the sums of theirs, for which there is room.
 fn take_parts<V, T, N: Noise>(
     stepper: &mut T,
     step: Step<'_, V, N>,
@@ -449,7 +454,7 @@ fn part_of(h: f64, level: u32) -> f64 {
     h / (1_u64 << level) as f64
 }
 
-/// Whether a shorter step may help it. One that does not resolve the fastest motion is no matter of one step.
+/// Whether halving this step can help. Not for `Unresolved`, which concerns the whole run.
 pub(crate) fn is_curable(cause: StepFailure) -> bool {
     match cause {
         StepFailure::NotConverged { .. }

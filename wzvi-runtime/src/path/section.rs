@@ -1,19 +1,22 @@
 //! Sections: where a path crosses a surface of phase space.
 //!
-//! A section is the set on which a function of the state is zero. [`Simulation::section`](crate::path::simulate::Simulation::section) finds
-//! the crossings of a path at and between its nodes, on the dense output of its steps ([`crate::scheme::dense`]). They are accurate to a few
-//! units in the last place of the fraction `θ` of a step, apart from the error of the step and of its dense output.
+//! A section is the set on which a function of the state is zero.
+//! [`Simulation::section`](crate::path::simulate::Simulation::section) finds the crossings of a path at and
+//! between its nodes, on the dense output of its steps ([`crate::scheme::dense`]). They are accurate to a few
+//! units in the last place of the fraction `θ` of a step, apart from the error of the step and of its dense
+//! output.
 //!
-//! **What counts.** A crossing is a change of sign. A path that touches the section and stays on its side does not cross it. Neither does
-//! one that starts or ends on the section. Where the function is NaN, the path has no side, and crossings in between are unknown.
+//! **What counts.** A crossing is a change of sign. A path that touches the section and stays on its side
+//! does not cross it. Neither does one that starts or ends on the section. Where the function is NaN, the
+//! path has no side, and crossings in between are unknown.
 //!
-//! **What is found.** In each step the function is evaluated at equidistant points, as many as the polynomial has coefficients (at least 4; 8 for
-//! `Gauss<8>`). Two neighbouring values of different sign enclose a crossing, which is always found. The
-//! function is then evaluated at the ends of four equal parts between them; if two of these enclose three or
-//! more, one is found.
-//! Two values of the same sign may enclose an extremum towards zero. Where differences indicate one, it is located, and two crossings close to each
-//! other are found, too. A pair closer than about `10^-8` of a step is a tangency up to rounding, and may be missed. So may crossings of functions
-//! that oscillate within a step faster than its polynomial.
+//! **What is found.** In each step the function is evaluated at equidistant points, as many as the polynomial
+//! has coefficients (at least 4; 8 for `Gauss<8>`). Two neighbouring values of different sign enclose a
+//! crossing, which is always found. The function is then evaluated at the ends of four equal parts between
+//! them; if two of these enclose three or more, one is found. Two values of the same sign may enclose an
+//! extremum towards zero. Where differences indicate one, it is located, and two crossings close to each
+//! other are found, too. A pair closer than about `10^-8` of a step is a tangency up to rounding, and may be
+//! missed. So may crossings of functions that oscillate within a step faster than its polynomial.
 
 mod root;
 mod side;
@@ -66,7 +69,7 @@ pub(crate) struct Watch<V> {
 }
 
 impl<V: Vector> Watch<V> {
-    /// Of a path that starts at `start`.
+    /// Follows a path that starts at `start`.
     pub(crate) fn new<'f, 'a: 'f>(
         functions: impl Iterator<Item = &'f Observable<'a, V>>,
         start: &State<V>,
@@ -111,8 +114,8 @@ impl<V: Vector> Watch<V> {
         }
     }
 
-    /// The time at which a function crosses zero in the step between these times that ended in this state, as far as
-    /// its nodes tell: on the chord, unless a node is on the section.
+    /// The time at which a function crosses zero in the step between these times that ended in this state, as
+    /// far as its nodes tell: on the chord, unless a node is on the section.
     pub(crate) fn arrive(
         &mut self,
         number: usize,

@@ -1,11 +1,13 @@
 //! Averages along one long path, whose neighbouring values are not independent.
 //!
-//! With the autocorrelation `ρ(t)` of a stationary series, `τ = 1/2 + Σ_{t ≥ 1} ρ(t)` is its integrated autocorrelation time, in samples, and the mean of `N`
-//! values has the variance `2 τ σ² / N`, like the mean of `N / 2τ` independent ones.
+//! With the autocorrelation `ρ(t)` of a stationary series, `τ = 1/2 + Σ_{t ≥ 1} ρ(t)` is its integrated
+//! autocorrelation time, in samples, and the mean of `N` values has the variance `2 τ σ² / N`, like the mean
+//! of `N / 2τ` independent ones.
 //!
-//! There are two estimates of the error. [Batch means](BatchMeans) of every size need little memory, and can end a run when the error is small
-//! enough ([`TimeAveraging::until_error`]). With the feature `correlation`, the autocorrelation function itself (`Autocorrelation`) also gives
-//! the correlation time. Several paths from different starts show whether one path has seen all of phase space: [`Chains`] compares their means.
+//! There are two estimates of the error. [Batch means](BatchMeans) of every size need little memory, and can
+//! end a run when the error is small enough ([`TimeAveraging::until_error`]). With the feature `correlation`,
+//! the autocorrelation function itself (`Autocorrelation`) also gives the correlation time. Several paths
+//! from different starts show whether one path has seen all of phase space: [`Chains`] compares their means.
 
 mod averages;
 mod batches;

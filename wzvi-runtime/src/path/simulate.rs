@@ -55,7 +55,7 @@ pub trait Observer<V> {
     #[doc(hidden)]
     const AVERAGES: bool = false;
 
-    /// Of a path that is not kept, the next node that it sees after this one.
+    /// The next node that it sees after this one, of a path that is not kept.
     #[doc(hidden)]
     fn next(&self, node: u64) -> u64 {
         node + 1
@@ -96,11 +96,12 @@ impl<V> Observer<V> for Unobserved {
     fn observe(&mut self, _state: &State<V>, _node: &Node<'_>) {}
 }
 
-/// The result of a partial run: the trajectory up to the last good state and, if that is not the end, the error that stopped it.
+/// The result of a partial run: the trajectory up to the last good state and, if that is not the end, the
+/// error that stopped it.
 pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
 
-/// One path to run: [`Integrate::simulate`](crate::integrate::Integrate::simulate) begins it, [`Simulation::run`]
-/// runs it.
+/// One path to run: [`Integrate::simulate`](crate::integrate::Integrate::simulate) begins it,
+/// [`Simulation::run`] runs it.
 ///
 /// A run needs a start and an end, and a noise if the system has noise. A later call of a method replaces an
 /// earlier one, and two methods that set the same (`until` and `steps`) are an error.
@@ -122,7 +123,8 @@ pub trait Summation<H: Discretized<E>, E> {
     type Carry: Carry<f64>;
 }
 
-/// Compensated sums where they cost less than about 5 % of a step ([`Scheme::Carry`](crate::scheme::system::Scheme::Carry)).
+/// Compensated sums where they cost less than about 5 % of a step
+/// ([`Scheme::Carry`](crate::scheme::system::Scheme::Carry)).
 #[derive(Clone, Copy, Debug)]
 pub enum UsualSums {}
 
@@ -162,8 +164,9 @@ impl<'a, H: Hamiltonian, E, N, O, S> Simulation<'a, H, E, N, O, S> {
         self.observe(name, move |state| observable(system, state))
     }
 
-    /// Sets the source of the increments; [`Increments`](crate::increments::Increments) holds given ones. With a `&mut` the caller keeps the
-    /// source and can continue with it. A system without noise accepts any source and does not use it.
+    /// Sets the source of the increments; [`Increments`](crate::increments::Increments) holds given ones.
+    /// With a `&mut` the caller keeps the source and can continue with it. A system without noise accepts any
+    /// source and does not use it.
     ///
     /// Noise belongs to the time at which it acts. A run that continues another,
     /// `.start(run.last().clone())`, goes on with the same seed; one that starts at `t = 0` again needs
@@ -172,40 +175,43 @@ impl<'a, H: Hamiltonian, E, N, O, S> Simulation<'a, H, E, N, O, S> {
         Simulation { setup: self.setup, noise: Some(noise), observer: self.observer, types: PhantomData }
     }
 
-    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is not to.
+    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is
+    /// not to.
     ///
-    /// The noise must know its path between the nodes ([`Noise::is_divisible`]), as all but `Increments` do; the
-    /// run refuses another one. A run that restarts with shorter steps shows its observer all nodes again, from
-    /// step 0. A run with checkpoints does not restart.
+    /// The noise must know its path between the nodes ([`Noise::is_divisible`]), as all but `Increments` do;
+    /// the run refuses another one. A run that restarts with shorter steps shows its observer all nodes
+    /// again, from step 0. A run with checkpoints does not restart.
     pub fn retry(mut self, retry: Retry) -> Self {
         self.setup.retry = retry;
         self
     }
 
-    /// Adds increments to the state with plain sums, as [`Stepper::plain`](crate::path::step::Stepper::plain) does: the path then has the
-    /// bits of one of an ensemble with the same increments. Derivatives of its end are those of plain sums in any case.
+    /// Adds increments to the state with plain sums, as [`Stepper::plain`](crate::path::step::Stepper::plain)
+    /// does: the path then has the bits of one of an ensemble with the same increments. Derivatives of its
+    /// end are those of plain sums in any case.
     pub fn plain_sums(self) -> Simulation<'a, H, E, N, O, PlainSums> {
         let Self { setup, noise, observer, .. } = self;
         Simulation { setup, noise, observer, types: PhantomData }
     }
 
-    /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The default is all cores, from a size
-    /// on where that pays; 1 switches threads off. The result is the same, bit for bit.
+    /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The
+    /// default is all cores, from a size on where that pays; 1 switches threads off. The result is the same,
+    /// bit for bit.
     pub fn threads(mut self, threads: usize) -> Self {
         self.setup.execution.threads = Some(threads);
         self
     }
 
-    /// Lets this handle stop the run and report its progress ([`crate::ground::handle`]). A path that is stopped ends at a node with
-    /// [`Error::Stopped`]; [`Simulation::run_partial`] returns it up to there.
+    /// Lets this handle stop the run and report its progress ([`crate::ground::handle`]). A path that is
+    /// stopped ends at a node with [`Error::Stopped`]; [`Simulation::run_partial`] returns it up to there.
     pub fn handle(mut self, handle: &Handle) -> Self {
         self.setup.execution.handle = Some(handle.clone());
         self
     }
 
-    /// Calls `observer(state, node)` at each recorded node as the run reaches it, start and end included. With `record_every(0)` or
-    /// [`Simulation::record_at`] alone it is called at each node. Use it to see increments and iterations, or to act during the run. States
-    /// recorded between nodes are not shown.
+    /// Calls `observer(state, node)` at each recorded node as the run reaches it, start and end included.
+    /// With `record_every(0)` or [`Simulation::record_at`] alone it is called at each node. Use it to see
+    /// increments and iterations, or to act during the run. States recorded between nodes are not shown.
     pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F, S>
     where
         F: FnMut(&State<H::Vector>, &Node<'_>),
@@ -263,8 +269,9 @@ where
     /// Runs the path.
     ///
     /// # Errors
-    /// [`Error::Config`] if a setting is missing or invalid, [`Error::Noise`] if the source has no increments, [`Error::Step`] if a step
-    /// fails. [`Simulation::run_partial`] keeps what was computed before.
+    /// [`Error::Config`] if a setting is missing or invalid, [`Error::Noise`] if the source has no
+    /// increments, [`Error::Step`] if a step fails. [`Simulation::run_partial`] keeps what was computed
+    /// before.
     pub fn run(self) -> Result<Trajectory<H::Vector, E>, Error> {
         match self.run_partial()? {
             (trajectory, None) => Ok(trajectory),
@@ -272,12 +279,12 @@ where
         }
     }
 
-    /// Runs the path as far as possible. It returns the trajectory up to the last good state, and the error that ended it early, if there
-    /// was one ([`Error::Step`], [`Error::Noise`] or [`Error::Stopped`]).
+    /// Runs the path as far as possible. It returns the trajectory up to the last good state, and the error
+    /// that ended it early, if there was one ([`Error::Step`], [`Error::Noise`] or [`Error::Stopped`]).
     ///
     /// # Errors
-    /// [`Error::Config`], [`Error::Noise`] or [`Error::Checkpoint`] if the run could not start, so that there is no
-    /// trajectory.
+    /// [`Error::Config`], [`Error::Noise`] or [`Error::Checkpoint`] if the run could not start, so that there
+    /// is no trajectory.
     pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error> {
         self.run_until(None).map(|(path, _)| path)
     }

@@ -106,7 +106,8 @@ impl Grid {
         self.shorter.filter(|_| step + 1 == self.steps).unwrap_or(self.h)
     }
 
-    /// A noise, ready for these steps, which may be halved; none for a deterministic system, which asks for nothing.
+    /// A noise, ready for these steps, which may be halved; none for a deterministic system, which asks for
+    /// nothing.
     pub(crate) fn prepared<N: Noise>(
         &self,
         noise: Option<N>,
@@ -123,8 +124,8 @@ impl Grid {
         Ok(Some(noise))
     }
 
-    /// Whether a noise has increments for the halves of steps, if these may be halved, and for a last step that is
-    /// shorter. One that has none says so before the run.
+    /// Whether a noise has increments for the halves of steps, if these may be halved, and for a last step
+    /// that is shorter. One that has none says so before the run.
     pub(crate) fn check_parts(
         &self,
         noise: &mut (impl Noise + ?Sized),
@@ -146,7 +147,8 @@ impl Grid {
         Ok(())
     }
 
-    /// Whether each node has a time of its own: steps are no shorter than the distance of two numbers at the later end.
+    /// Whether each node has a time of its own: steps are no shorter than the distance of two numbers at the
+    /// later end.
     fn has_times(&self) -> bool {
         let latest = self.start.abs().max(self.time(self.steps).abs());
         self.steps == 0 || latest.next_up() - latest <= self.h.abs()
@@ -271,7 +273,8 @@ fn grid(end: Option<End>, is_whole: bool, start: f64, h: f64) -> Result<Grid, Co
 /// The whole steps from one time to another, at least one.
 ///
 /// # Errors
-/// [`ConfigError::End`], and [`ConfigError::Setting`] with the two nearest ends where there is no such number.
+/// [`ConfigError::End`], and [`ConfigError::Setting`] with the two nearest ends where there is no such
+/// number.
 pub(crate) fn whole_steps(start: f64, end: f64, h: f64) -> Result<u64, ConfigError> {
     let (steps, is_node) = located(start, end, h).ok_or(ConfigError::End { start, end, h })?;
     if is_node && steps > 0 {
@@ -294,13 +297,13 @@ pub(crate) fn whole_steps(start: f64, end: f64, h: f64) -> Result<u64, ConfigErr
     })
 }
 
-/// `⌈(end - start)/h⌉`, or the integer that the quotient would be but for rounding; `None` if it is negative, NaN or
-/// more than can be counted.
+/// `⌈(end - start)/h⌉`, or the integer that the quotient would be but for rounding; `None` if it is negative,
+/// NaN or more than can be counted.
 pub(crate) fn steps_between(start: f64, end: f64, h: f64) -> Option<u64> {
     located(start, end, h).map(|(steps, _)| steps)
 }
 
-/// The same, and whether it is that integer.
+/// [`steps_between`], and whether the quotient is that integer.
 fn located(start: f64, end: f64, h: f64) -> Option<(u64, bool)> {
     let quotient = (end - start) / h;
     // One rounding each in start, end, their difference, h and the quotient, and one to spare.

@@ -30,21 +30,23 @@ pub struct StepInfo {
     /// How often the step was halved: it is `2^halvings` steps of size `h / 2^halvings`. 0 unless a
     /// [`Retry`](crate::path::retry::Retry) allows more.
     pub halvings: u32,
-    /// Whether the previous steps did not predict this one, so that it was solved from zero with a line search. Many such steps in a row
-    /// mean that the step is long for the fastest motion. Of a halved step: whether one of its parts was hard.
+    /// Whether the previous steps did not predict this one, so that it was solved from zero with a line
+    /// search. Many such steps in a row mean that the step is long for the fastest motion. If the step was
+    /// halved: whether one of its parts was hard.
     pub is_hard: bool,
-    /// Whether the solution could not be followed from the state along the step. Only the orientation of its Jacobian then says that it is
-    /// the connected one. The step is far too long for a stiff force, or a push went along contacts that just touch. Of a halved step: whether
-    /// this holds for one of its parts.
+    /// Whether the solution could not be followed from the state along the step. Only the orientation of its
+    /// Jacobian then says that it is the connected one. The step is far too long for a stiff force, or a push
+    /// went along contacts that just touch. If the step was halved: whether this holds for one of its parts.
     pub is_doubtful: bool,
 }
 
 /// A prepared integrator: everything that depends only on the system and the step size is computed once.
 ///
-/// Its steps allocate nothing. After `n` consecutive steps of one state the time is `t_0 + n h`; it is not accumulated.
+/// Its steps allocate nothing. After `n` consecutive steps of one state the time is `t_0 + n h`; it is not
+/// accumulated.
 ///
-/// The energy of these steps is not monitored, unlike that of runs ([`StepFailure::Unresolved`]): compare [`Hamiltonian::energy`](crate::scheme::system::Hamiltonian::energy) with its
-/// value at the start.
+/// The energy of these steps is not monitored, unlike that of runs ([`StepFailure::Unresolved`]): compare
+/// [`Hamiltonian::energy`](crate::scheme::system::Hamiltonian::energy) with its value at the start.
 #[derive(Debug)]
 pub struct Stepper<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
     system: &'a H,
@@ -135,7 +137,8 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     ///
     /// # Errors
     /// * [`ConfigError::StepSize`] unless `h` is finite and not zero.
-    /// * [`ConfigError::Parameter`] or [`ConfigError::Singular`] if what is computed once for all steps is not finite or not invertible.
+    /// * [`ConfigError::Parameter`] or [`ConfigError::Singular`] if what is computed once for all steps is
+    ///   not finite or not invertible.
     /// * [`ConfigError::Bath`] if friction, temperature or masses are invalid.
     pub fn new(system: &'a H, h: f64) -> Result<Self, ConfigError> {
         if !h.is_finite() || h == 0.0 {
@@ -160,9 +163,9 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         })
     }
 
-    /// Carries the rounding error of the state from step to step ([`crate::algebra::carry`]). The drift of first integrals by rounding
-    /// shrinks by about the ratio of a step's increment to the state. It costs six additions per component, and is the default where that is
-    /// less than about 5 % of the step.
+    /// Carries the rounding error of the state from step to step ([`crate::algebra::carry`]). The drift of
+    /// first integrals by rounding shrinks by about the ratio of a step's increment to the state. It costs
+    /// six additions per component, and is the default where that is less than about 5 % of the step.
     pub fn compensated(self) -> Stepper<'a, H, E, <SchemeOf<H, E> as Scheme<H>>::Compensated<f64>> {
         self.carrying()
     }
@@ -191,7 +194,8 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
 }
 
 impl<'a, H: Discretized<E>, E> Stepper<'a, H, E, Plain> {
-    /// For one of many paths, which have the threads already, with plain sums; whether it accounts for what forces and bath do.
+    /// For one of many paths, which have the threads already, with plain sums; whether it accounts for what
+    /// forces and bath do.
     ///
     /// # Errors
     /// The errors of [`Stepper::new`].
@@ -217,17 +221,19 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.h
     }
 
-    /// Fixes how implicit steps of systems of elements are iterated. This affects the time, and no significant digit. A step whose fixed
-    /// point does not contract is then an error ([`StepFailure::NotConverged`]), since nothing else is tried.
+    /// Fixes how implicit steps of systems of elements are iterated. This affects the time, and no
+    /// significant digit. A step whose fixed point does not contract is then an error
+    /// ([`StepFailure::NotConverged`]), since nothing else is tried.
     #[must_use]
     pub fn iteration(mut self, iteration: Iteration) -> Self {
         self.memory.tell(&Request::Pin(iteration));
         self
     }
 
-    /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The default is all cores, from a size
-    /// on where that pays ([systems of any size](crate::scheme::elements)); 1 switches threads off. The result is the same, bit for bit.
-    /// Every step then starts its own threads, an implicit step in each iteration, which allocates.
+    /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The
+    /// default is all cores, from a size on where that pays ([systems of any size](crate::scheme::elements));
+    /// 1 switches threads off. The result is the same, bit for bit. Every step then starts its own threads,
+    /// an implicit step in each iteration, which allocates.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] for zero.
@@ -241,7 +247,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self
     }
 
-    /// How the linear equations of a step are solved in systems of elements, where the best way depends on the size.
+    /// How the linear equations of a step are solved in systems of elements, where the best way depends on
+    /// the size.
     pub fn method(&self) -> Option<Method> {
         self.memory.report().method
     }
@@ -256,8 +263,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.before + self.clock.ticks
     }
 
-    /// The [work](crate::path::trajectory::Trajectory::work) and the [heat](crate::path::trajectory::Trajectory::heat) of its successful
-    /// steps so far, in units of energy. The energy changes by both and by the error of the scheme.
+    /// The [work](crate::path::trajectory::Trajectory::work) and the
+    /// [heat](crate::path::trajectory::Trajectory::heat) of its successful steps so far, in units of energy.
+    /// The energy changes by both and by the error of the scheme.
     pub fn exchanged(&self) -> Exchange {
         self.exchanged.all
     }
@@ -278,8 +286,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.exchanged = exchanged;
     }
 
-    /// One step of `state` with the given increments: one per noise (`&[]` without noise), and after them `√h` times the standard normals of a
-    /// [bath](crate::scheme::bath), which [`Discretized::increments`] counts.
+    /// One step of `state` with the given increments: one per noise (`&[]` without noise), and after them
+    /// `√h` times the standard normals of a [bath](crate::scheme::bath), which [`Discretized::increments`]
+    /// counts.
     ///
     /// # Errors
     /// [`StepError`] with time, step number and cause. State and stepper are then unchanged, bit for bit.
@@ -307,7 +316,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         }
     }
 
-    /// Of increments that are no numbers: they may not be those of the system at all.
+    /// The error of increments that are no numbers, or of a number of increments that does not fit the
+    /// system.
     #[cold]
     fn no_number(&self, state: &State<H::Vector>, dw: &[f64]) -> StepError {
         let (degrees, got) = (state.q.components().len(), dw.len());
@@ -323,7 +333,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// Whether care may find what the short way does not.
     const IS_ITERATED: bool = matches!(H::PLAN.solver, Solver::Newton);
 
-    /// As [`Stepper::step`]; `dense` receives the path between the two nodes ([`crate::scheme::dense`]). Allocates nothing after the first step.
+    /// As [`Stepper::step`]; `dense` receives the path between the two nodes ([`crate::scheme::dense`]).
+    /// Allocates nothing after the first step.
     ///
     /// # Errors
     /// The errors of [`Stepper::step`]; `dense` is then unchanged, too.
@@ -343,7 +354,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         taken
     }
 
-    /// What lies between the nodes of the last step, which led from `before` to `after` with these increments.
+    /// What lies between the nodes of the last step, which led from `before` to `after` with these
+    /// increments.
     pub(crate) fn fill(&self, nodes: [&State<H::Vector>; 2], dw: &[f64], dense: &mut DenseOutput<H::Vector>) {
         dense.fill::<H, E>((self.system, &self.prepared, &self.memory), nodes, self.h, dw);
     }
@@ -499,7 +511,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
 
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.
     ///
-    /// Inlined, and each list read by itself: state and increments stay in registers only where nothing walks over their addresses.
+    /// Inlined, and each list read by itself: state and increments stay in registers only where nothing walks
+    /// over their addresses.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
         let of_state = zero_if_finite(state.q.components()) + zero_if_finite(state.p.components());
@@ -511,13 +524,15 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 }
 
-/// Whether what a hard step leaves may mislead the next: it knows one point of the curve that steps follow, which may be nearer to another solution than to
-/// the one that continues the state. A step after a hard one is therefore checked as a first one is.
+/// Whether what a hard step leaves may mislead the next: it knows one point of the curve that steps follow,
+/// which may be nearer to another solution than to the one that continues the state. A step after a hard one
+/// is therefore checked as a first one is.
 pub(crate) const fn may_mislead<H: Discretized<E>, E>() -> bool {
     H::PROPERTIES.remembers && checks_starts::<H, E>()
 }
 
-/// Whether steps without a guide are checked ([`Hard::check`]). With noise no step has one, and none is checked.
+/// Whether steps without a guide are checked ([`Hard::check`]). With noise no step has one, and none is
+/// checked.
 pub(crate) const fn checks_starts<H: Discretized<E>, E>() -> bool {
     matches!(H::PLAN.solver, Solver::Newton) && matches!(H::PLAN.noise, NoiseClass::None)
 }

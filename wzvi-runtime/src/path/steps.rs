@@ -1,8 +1,8 @@
 //! The loop over the steps of a path: there is one.
 //!
-//! [`take_steps`] takes steps, each with its increments from a source, and stops at the nodes at which somebody wants to look. What a step is, and what
-//! is wanted of the nodes, is the business of [`Advance`]: for one path ([`Single`]), for paths in the lanes of vector registers, or coupled pairs of
-//! those.
+//! [`take_steps`] takes steps, each with its increments from a source, and stops at the nodes at which
+//! somebody wants to look. What a step is, and what is wanted of the nodes, is the business of [`Advance`]:
+//! for one path ([`Single`]), for paths in the lanes of vector registers, or coupled pairs of those.
 
 use std::ops::Range;
 

@@ -35,8 +35,8 @@ pub struct Iterations {
     pub total: u64,
     /// The largest number in one step.
     pub largest: u32,
-    /// Steps that the previous ones did not predict ([`StepInfo::is_hard`]). Many such steps mean that the step is long for the fastest
-    /// motion.
+    /// Steps that the previous ones did not predict ([`StepInfo::is_hard`]). Many such steps mean that the
+    /// step is long for the fastest motion.
     pub hard: u64,
     /// Steps whose solution is the connected one by its orientation only ([`StepInfo::is_doubtful`]).
     pub doubtful: u64,
@@ -44,8 +44,8 @@ pub struct Iterations {
     pub halved: u64,
     /// The most halvings of a step.
     pub halvings: u32,
-    /// Monitored steps whose energy was off by more than a tenth of the mean of `p · dq/dt`: excursions that returned. 0 in a run that was
-    /// [`unwatched`](crate::path::simulate::Simulation::unwatched).
+    /// Monitored steps whose energy was off by more than a tenth of the mean of `p · dq/dt`: excursions that
+    /// returned. 0 in a run that was [`unwatched`](crate::path::simulate::Simulation::unwatched).
     #[cfg_attr(feature = "serde", serde(default))]
     pub suspected: u64,
 }
@@ -160,28 +160,31 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.path.states.iter()
     }
 
-    /// The work done on the path, in units of energy: exactly `H(end) - H(start)` without the [heat](Trajectory::heat). Work done by the
-    /// path is negative. Forces, listed noises and explicit time do work, and so does the scheme, whose part is the [shadow
-    /// work](Trajectory::shadow_work).
+    /// The work done on the path, in units of energy: exactly `H(end) - H(start)` without the
+    /// [heat](Trajectory::heat). Work done by the path is negative. Forces, listed noises and explicit time
+    /// do work, and so does the scheme, whose part is the [shadow work](Trajectory::shadow_work).
     ///
-    /// It is the `W` of Jarzynski's equality, `⟨e^{-W/kT}⟩ = e^{-ΔF/kT}`, which holds exactly at every step size with a
-    /// [bath](crate::scheme::bath) at one constant temperature. It is 0 for a system without bath, force, friction and explicit time in the drift.
+    /// It is the `W` of Jarzynski's equality, `⟨e^{-W/kT}⟩ = e^{-ΔF/kT}`, which holds exactly at every step
+    /// size with a [bath](crate::scheme::bath) at one constant temperature. It is 0 for a system without
+    /// bath, force, friction and explicit time in the drift.
     pub fn work(&self) -> f64 {
         self.path.gained.map_or(0.0, |gained| gained - self.path.exchanged.heat)
     }
 
-    /// The part of the [work](Trajectory::work) that the scheme does: the work minus a quadrature of forces, noises and explicit time along
-    /// the steps. It falls with the order of the scheme. `None` without bath, force and friction, where no quadrature is made.
+    /// The part of the [work](Trajectory::work) that the scheme does: the work minus a quadrature of forces,
+    /// noises and explicit time along the steps. It falls with the order of the scheme. `None` without bath,
+    /// force and friction, where no quadrature is made.
     pub fn shadow_work(&self) -> Option<f64> {
         self.path.is_accounted.then(|| self.work() - self.path.exchanged.work)
     }
 
-    /// The energy that the path took from friction and bath, in units of energy: the gain of kinetic energy in their parts of the steps.
+    /// The energy that the path took from friction and bath, in units of energy: the gain of kinetic energy
+    /// in their parts of the steps.
     pub fn heat(&self) -> f64 {
         self.path.exchanged.heat
     }
 
-    /// The same by degree of freedom, where the temperatures of the degrees of freedom differ: what each took
+    /// The heat by degree of freedom, where their temperatures differ: what each took
     /// from its own bath, negative where it gave heat. They add up to [`heat`](Trajectory::heat) to rounding.
     /// Empty where all have one bath, at one temperature.
     pub fn heat_by_degree(&self) -> &[f64] {
@@ -219,7 +222,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         &self.path.crossings
     }
 
-    /// The values of the observable with this name ([`Simulation::observe`](crate::path::simulate::Simulation::observe)) at the recorded nodes.
+    /// The values of the observable with this name
+    /// ([`Simulation::observe`](crate::path::simulate::Simulation::observe)) at the recorded nodes.
     ///
     /// # Errors
     /// [`UnknownName`] for a name that the run did not have.
@@ -228,24 +232,26 @@ impl<V: Vector, E> Trajectory<V, E> {
         UnknownName::find("observable", name, observed.map(|(known, values)| (known, values.as_slice())))
     }
 
-    /// Why the last [checkpoint](crate::path::simulate::Simulation::checkpoint) of the run could not be written. Only this path then
-    /// contains the steps since the previous one. `None` if it was written, and for a run without checkpoints.
+    /// Why the last [checkpoint](crate::path::simulate::Simulation::checkpoint) of the run could not be
+    /// written. Only this path then contains the steps since the previous one. `None` if it was written, and
+    /// for a run without checkpoints.
     pub fn unsaved(&self) -> Option<&FileError> {
         self.unsaved.as_ref()
     }
 
-    /// The names of the variables in the closure of the drift; `q`, `p` and `t` after a path was read from a file.
+    /// The names of the variables in the closure of the drift; `q`, `p` and `t` after a path was read from a
+    /// file.
     pub fn variables(&self) -> Variables {
         self.variables.unwrap_or_else(|| Variables::unnamed(self.path.last.q.components().len()))
     }
 
-    /// The same, of a run whose last checkpoint could not be written.
+    /// The trajectory of a run whose last checkpoint could not be written.
     pub(crate) fn saved_but_for(mut self, error: Option<FileError>) -> Self {
         self.unsaved = error;
         self
     }
 
-    /// The same, with the names of its system.
+    /// The trajectory with the names of its system.
     pub(crate) fn named(mut self, variables: Variables) -> Self {
         self.variables = Some(variables);
         self
@@ -297,8 +303,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.path.iterations
     }
 
-    /// The increments from each recorded node to the next, one row per interval and one number per noise. They are those of the steps if
-    /// every step was recorded, and their sums otherwise.
+    /// The increments from each recorded node to the next, one row per interval and one number per noise.
+    /// They are those of the steps if every step was recorded, and their sums otherwise.
     ///
     /// [`Increments`](crate::increments::Increments) made of them repeat a run of [whole
     /// steps](crate::path::simulate::Simulation::whole_steps).
@@ -321,21 +327,23 @@ impl<V: Vector, E> Trajectory<V, E> {
         std::iter::once(0.0).chain(steps).collect()
     }
 
-    /// `max_i |H_0(z_i, t_i) - H_0(z_0, t_0)|` over the recorded nodes: absolute, in units of energy; NaN if a value
-    /// is.
+    /// `max_i |H_0(z_i, t_i) - H_0(z_0, t_0)|` over the recorded nodes: absolute, in units of energy; NaN if
+    /// a value is.
     ///
-    /// It is small if the system conserves its energy (`PLAN.conserves_energy`); otherwise it measures the effect of the noise.
-    /// [`Trajectory::shadow_energy_drift`] tests whether the theory of symplectic methods applies.
+    /// It is small if the system conserves its energy (`PLAN.conserves_energy`); otherwise it measures the
+    /// effect of the noise. [`Trajectory::shadow_energy_drift`] tests whether the theory of symplectic
+    /// methods applies.
     pub fn energy_drift<H: Hamiltonian<Vector = V>>(&self, system: &H) -> f64 {
         self.drift(|state| system.energy(state))
     }
 
-    /// `max_i |H~(z_i) - H~(z_0)|` over the recorded nodes for the modified Hamiltonian of the scheme with the step size of the run:
-    /// absolute, in units of energy; NaN if a value is.
+    /// `max_i |H~(z_i) - H~(z_0)|` over the recorded nodes for the modified Hamiltonian of the scheme with
+    /// the step size of the run: absolute, in units of energy; NaN if a value is.
     ///
-    /// If the theory of symplectic methods applies to the run, it is much less than [`Trajectory::energy_drift`], and falls with the step
-    /// size by its own order. If the step is too long, it is as large. A shorter last step and halved steps count as well, although they
-    /// follow another modified Hamiltonian.
+    /// If the theory of symplectic methods applies to the run, it is much less than
+    /// [`Trajectory::energy_drift`], and falls with the step size by its own order. If the step is too long,
+    /// it is as large. A shorter last step and halved steps count as well, although they follow another
+    /// modified Hamiltonian.
     pub fn shadow_energy_drift<H>(&self, system: &H) -> f64
     where
         H: Discretized<E, Vector = V> + Conservative,
@@ -345,8 +353,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.drift(|state| modified.energy(system, state))
     }
 
-    /// `max_i |I(z_i) - I(z_0)|` over the recorded nodes for first integral `index` of the system, in the order of the
-    /// attribute; NaN if a value is.
+    /// `max_i |I(z_i) - I(z_0)|` over the recorded nodes for first integral `index` of the system, in the
+    /// order of the attribute; NaN if a value is.
     ///
     /// # Errors
     /// [`PathError::Invariant`] for one that the system does not have.
@@ -372,8 +380,9 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// The time scale T of the recorded nodes.
     ///
     /// # Errors
-    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if intervals differ, such as a last one that is shorter: a run of
-    /// [`whole_steps`](crate::path::simulate::Simulation::whole_steps) has none.
+    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if intervals differ, such as a
+    /// last one that is shorter: a run of [`whole_steps`](crate::path::simulate::Simulation::whole_steps) has
+    /// none.
     pub fn time_scale(&self) -> Result<TimeScale, PathError> {
         let even = self.even()?;
         match even {
@@ -388,7 +397,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         PathError::Uneven { every: self.path.every, steps: self.path.steps }
     }
 
-    /// The recorded nodes at equal distances in time: without the last one, where the interval before it is shorter than the others.
+    /// The recorded nodes at equal distances in time: without the last one, where the interval before it is
+    /// shorter than the others.
     ///
     /// # Errors
     /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if other intervals differ.
@@ -412,8 +422,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         Ok(Function::new(self.time_scale()?, self.iter().map(value).collect())?)
     }
 
-    /// The residual of the discrete Euler-Lagrange equations at each interior node (T^±): of the equation of the node, and of the momentum
-    /// of the step that starts there.
+    /// The residual of the discrete Euler-Lagrange equations at each interior node (T^±): of the equation of
+    /// the node, and of the momentum of the step that starts there.
     ///
     /// # Errors
     /// [`PathError::Gaps`] unless every step was recorded, [`PathError::Empty`] for a path without steps,
@@ -446,9 +456,11 @@ impl<V: Vector, E> Trajectory<V, E> {
         residuals
     }
 
-    /// The largest absolute residual of the discrete Euler-Lagrange equations: `|D_2 L_d(step i-1) + D_1 L_d(step i)|` over the interior
-    /// nodes, and `|∂L_d/∂P|` over all steps. It is at rounding level on any path that the scheme computed without halved steps, which have two equations each. It is NaN if a residual is, and
-    /// with a [bath](crate::scheme::bath), whose steps follow from no Lagrangian.
+    /// The largest absolute residual of the discrete Euler-Lagrange equations:
+    /// `|D_2 L_d(step i-1) + D_1 L_d(step i)|` over the interior nodes, and `|∂L_d/∂P|` over all steps. It is
+    /// at rounding level on any path that the scheme computed without halved steps, which have two equations
+    /// each. It is NaN if a residual is, and with a [bath](crate::scheme::bath), whose steps follow from no
+    /// Lagrangian.
     ///
     /// # Errors
     /// As [`Trajectory::euler_lagrange`]; a last step that is shorter is one of the steps.

@@ -1,7 +1,8 @@
 //! Monitors the energy of runs of constant step.
 //!
-//! A step that is far too long for the orbit can be solved to the last digit, and still lead to a wrong state. The energy reveals it. In a deterministic run
-//! of constant step, both ends of one step in eight are tested; in a path of an ensemble few steps are, until one is off ([`Watch::among_others`]):
+//! A step that is far too long for the orbit can be solved to the last digit, and still lead to a wrong
+//! state. The energy reveals it. In a deterministic run of constant step, both ends of one step in eight are
+//! tested; in a path of an ensemble few steps are, until one is off ([`Watch::among_others`]):
 //!
 //! ```text
 //! E_h = H                                   Midpoint, Gauss and their compositions (`KeptEnergy::Hamiltonian`)
@@ -11,29 +12,38 @@
 //! W   = min over the nodes of the last eight looks of |E_h - E_h(0)| / A
 //! ```
 //!
-//! `W` is compared with a tenth. Each `E_h` is the modified energy to the order of the scheme, and an exact first integral of every linear system
-//! `T(p) + V(q)`: with `V = ω² q²/2` a step of kick, drift, kick conserves `p² + ω² (1 - h² ω²/4) q²`, one of the point `l` conserves `p² + ω² q² +
-//! (2l - 1) h ω² q p`, and a mid-point conserves every quadratic form that the flow conserves. A stable linear motion therefore changes `E_h` by rounding only,
-//! at any `ω h`. In others `E_h` changes in one step by one order in `h` more than the order of the scheme, and oscillates over a run.
+//! `W` is compared with a tenth. Each `E_h` is the modified energy to the order of the scheme, and an exact
+//! first integral of every linear system `T(p) + V(q)`: with `V = ω² q²/2` a step of kick, drift, kick
+//! conserves `p² + ω² (1 - h² ω²/4) q²`, one of the point `l` conserves `p² + ω² q² + (2l - 1) h ω² q p`, and
+//! a mid-point conserves every quadratic form that the flow conserves. A stable linear motion therefore
+//! changes `E_h` by rounding only, at any `ω h`. In others `E_h` changes in one step by one order in `h` more
+//! than the order of the scheme, and oscillates over a run.
 //!
-//! Compositions of kicks and drifts conserve an energy near `H`, whose distance from `H` grows towards the limit of stability. Their `E_h(0)` is the range
-//! of `H` over the first eight tests (`KeptEnergy::Nearly`), so errors before that are not detected. The minimum ignores excursions that return, at a pericentre or
-//! on the chord of a mid-point, and a stiff direction that is excited at every other node. `A` is the size of the motion in units of energy, twice the
-//! kinetic energy of a mechanical system. Its mean does not grow with the error, unlike its largest value. It depends on the origin of `p`.
+//! Compositions of kicks and drifts conserve an energy near `H`, whose distance from `H` grows towards the
+//! limit of stability. Their `E_h(0)` is the range of `H` over the first eight tests (`KeptEnergy::Nearly`),
+//! so errors before that are not detected. The minimum ignores excursions that return, at a pericentre or on
+//! the chord of a mid-point, and a stiff direction that is excited at every other node. `A` is the size of
+//! the motion in units of energy, twice the kinetic energy of a mechanical system. Its mean does not grow
+//! with the error, unlike its largest value. It depends on the origin of `p`.
 //!
-//! The conserved quantity of a step across a jump of `H` is that of the piece on either side, so `H` changes by the jump. Where no proof says that `H` is
-//! continuous ([`EnergyWatch`]), the change that brings the energy off is looked for on the chord in phase space between the states of both tests: if at least half
-//! of it is a jump ([`Jumps`]), the reference becomes the energy behind it.
-//! Where the text of `H` shows a jump, nothing is monitored.
+//! The conserved quantity of a step across a jump of `H` is that of the piece on either side, so `H` changes
+//! by the jump. Where no proof says that `H` is continuous ([`EnergyWatch`]), the change that brings the
+//! energy off is looked for on the chord in phase space between the states of both tests: if at least half of
+//! it is a jump ([`Jumps`]), the reference becomes the energy behind it. Where the text of `H` shows a jump,
+//! nothing is monitored.
 //!
-//! An energy that is not a number ends a run at once, in a test or at its end: the state has left the domain of `H`.
+//! An energy that is not a number ends a run at once, in a test or at its end: the state has left the domain
+//! of `H`.
 //!
-//! As long as the last test found nothing, `H` itself is compared with the reference first, and `E_h` is computed only where `H` is off by more than `A/10`: a run
-//! that keeps `H` is no wrong one. A test evaluates the energy site by site, which costs several steps that go window by window. In a system of 96
-//! degrees of freedom or more, one step in 64 is tested after the first 64 steps and the one 64 steps before the end, until one is off, unless its steps may be halved or its energy may jump.
-//! A run that is not monitored computes no energy; if its steps may be halved, it adds up `A`, which decides whether halves agree.
+//! As long as the last test found nothing, `H` itself is compared with the reference first, and `E_h` is
+//! computed only where `H` is off by more than `A/10`: a run that keeps `H` is no wrong one. A test evaluates
+//! the energy site by site, which costs several steps that go window by window. In a system of 96 degrees of
+//! freedom or more, one step in 64 is tested after the first 64 steps and the one 64 steps before the end,
+//! until one is off, unless its steps may be halved or its energy may jump. A run that is not monitored
+//! computes no energy; if its steps may be halved, it adds up `A`, which decides whether halves agree.
 //!
-//! The tested step is not always the same one of eight: a motion whose period is a multiple of eight steps would have the same phase in each test.
+//! The tested step is not always the same one of eight: a motion whose period is a multiple of eight steps
+//! would have the same phase in each test.
 
 use crate::algebra::scalar::{Dual, Rounded};
 use crate::algebra::state::{State, Vector, copy_state, dot};
@@ -50,11 +60,11 @@ const SPAN: usize = 8;
 const TAIL: u64 = STRIDE * SPAN as u64;
 /// One step of so many is tested in a large system whose energy is right.
 const LONG_STRIDE: u64 = 64;
-/// How far the energy may be off, in units of the mean of `p · dq/dt`. Resolved motions of all kinds stay below 0.031, and those that are wrong
-/// leave the constant energy by a multiple of their kinetic energy.
+/// How far the energy may be off, in units of the mean of `p · dq/dt`. Resolved motions of all kinds stay
+/// below 0.031, and those that are wrong leave the constant energy by a multiple of their kinetic energy.
 const HARMFUL: f64 = 0.1;
-/// The largest disagreement of the halves of one divided step, in the same units: 64 divided steps in a row, all off to the same side, then stay below
-/// `HARMFUL`.
+/// The largest disagreement of the halves of one divided step, in the same units: 64 divided steps in a row,
+/// all off to the same side, then stay below `HARMFUL`.
 pub(crate) const AGREEMENT: f64 = HARMFUL / TAIL as f64;
 
 /// How the energy of a run of this scheme is monitored.
@@ -106,7 +116,8 @@ pub(crate) fn next_look(step: u64) -> u64 {
     STRIDE * group + 5 * group % STRIDE
 }
 
-/// The step that a large system, whose energy is right, looks at after this one: each phase of 64 steps in turn, far from the one before.
+/// The step that a large system, whose energy is right, looks at after this one: each phase of 64 steps in
+/// turn, far from the one before.
 fn next_rare_look(step: u64) -> u64 {
     let group = step / LONG_STRIDE + 1;
     LONG_STRIDE * group + 39 * group % LONG_STRIDE
@@ -128,9 +139,10 @@ pub(crate) struct Watch<V> {
     suspected: u64,
     /// `E_h` at the start: the least and the largest of the first looks where a scheme keeps it nearly.
     band: [f64; 2],
-    /// That of all looks.
+    /// The size of the motion over all tests.
     motion: Motion,
-    /// The deviation of the energy before the tested step; and at the last tests, the smaller one of both ends.
+    /// The deviation of the energy before the tested step; and at the last tests, the smaller one of both
+    /// ends.
     off: f64,
     recent: [f64; SPAN],
     /// Whether jumps are looked for: from the end of the last tested step and its energy.
@@ -153,7 +165,7 @@ pub(crate) struct Room<V> {
 }
 
 impl<V> Default for Watch<V> {
-    /// Of nothing.
+    /// A monitor of nothing.
     fn default() -> Self {
         let recent = [0.0; SPAN];
         let (band, motion, room) = ([0.0; 2], Motion::default(), None);
@@ -178,8 +190,9 @@ impl<V> Default for Watch<V> {
 }
 
 impl<V: Vector> Watch<V> {
-    /// For a run by this scheme from step 0, if the system conserves its energy. Deviations are refused if it is monitored. Halved steps
-    /// need `A` in any case, at the steps at which a path of an ensemble adds to it.
+    /// For a run by this scheme from step 0, if the system conserves its energy. Deviations are refused if it
+    /// is monitored. Halved steps need `A` in any case, at the steps at which a path of an ensemble adds to
+    /// it.
     pub(crate) fn of<H: Discretized<E, Vector = V>, E>(is_of_energy: bool, may_halve: bool) -> Self {
         let is_wanted = keeps_energy::<H, E>() && (is_of_energy || may_halve);
         let next = if is_wanted { 0 } else { u64::MAX };
@@ -188,15 +201,18 @@ impl<V: Vector> Watch<V> {
         Self { next, is_of_energy, is_sparing, follows_jumps, ..Self::default() }
     }
 
-    /// The number of steps of the run: 64 steps before it ends, a large system is tested too, as a path of an ensemble is.
+    /// The number of steps of the run: 64 steps before it ends, a large system is tested too, as a path of an
+    /// ensemble is.
     pub(crate) fn ends_after(&mut self, steps: u64) {
         self.end = steps;
     }
 
-    /// For a path of an ensemble, of so many steps; deviations are refused. It is tested at the start, then at eight times the step of the last test, and 64
-    /// steps before the end. After a deviation it is tested like a single run, until the deviation ends. A path thus pays for four tests in its first
-    /// thousand steps and one more for eight times as many, and deviations up to 64 steps before its end are found. Where `H` may jump it is
-    /// always tested like a single run, because jumps between rare tests are not seen.
+    /// For a path of an ensemble, of so many steps; deviations are refused. It is tested at the start, then
+    /// at eight times the step of the last test, and 64 steps before the end. After a deviation it is tested
+    /// like a single run, until the deviation ends. A path thus pays for four tests in its first thousand
+    /// steps and one more for eight times as many, and deviations up to 64 steps before its end are found.
+    /// Where `H` may jump it is always tested like a single run, because jumps between rare tests are not
+    /// seen.
     pub(crate) fn among_others<H: Discretized<E, Vector = V>, E>(steps: u64) -> Self {
         let next = if keeps_energy::<H, E>() && steps > TAIL { 0 } else { u64::MAX };
         let is_rare = const { !may_jump::<H, E>() };
@@ -204,7 +220,7 @@ impl<V: Vector> Watch<V> {
         Self { next, steps, is_of_energy: true, follows_jumps: may_jump::<H, E>(), ..Self::default() }
     }
 
-    /// The same, of the next path.
+    /// Begins with the next path.
     pub(crate) fn restart<H: Discretized<E, Vector = V>, E>(&mut self, steps: u64) {
         *self = Self { room: self.room.take(), ..Self::among_others::<H, E>(steps) };
     }
@@ -283,7 +299,8 @@ impl<V: Vector> Watch<V> {
         room.kept_energy::<H, E>(system, state, h, energy)
     }
 
-    /// After a change of the energy between two states: moves the reference to the second energy if the change is a jump.
+    /// After a change of the energy between two states: moves the reference to the second energy if the
+    /// change is a jump.
     #[cold]
     fn follow<H: Discretized<E, Vector = V>, E>(
         &mut self,
@@ -323,7 +340,8 @@ impl<V: Vector> Watch<V> {
     /// After that step, which led to this state.
     ///
     /// # Errors
-    /// [`StepFailure::Unresolved`] or [`StepFailure::UndefinedEnergy`]; the state is then what it was before the step.
+    /// [`StepFailure::Unresolved`] or [`StepFailure::UndefinedEnergy`]; the state is then what it was before
+    /// the step.
     #[inline(never)]
     pub(crate) fn end<H: Discretized<E, Vector = V>, E>(
         &mut self,
@@ -499,9 +517,10 @@ const LEAST_SHARE: f64 = 1.0 / 16.0;
 
 /// The jumps of `H` on the chord between two states.
 ///
-/// The part of the chord with the largest change of the energy is halved again and again, until no change is above a sixteenth of the whole one. A change that is left on the `2⁻³⁶`th
-/// part of the chord is a jump if it is the same there as on the `2⁻²⁰`th part around it. What is continuous like `|x|^a` falls by `2^(-16a)` between the
-/// two, to nine tenths for `a = 0.01`; at a pole the change grows.
+/// The part of the chord with the largest change of the energy is halved again and again, until no change is
+/// above a sixteenth of the whole one. A change that is left on the `2⁻³⁶`th part of the chord is a jump if
+/// it is the same there as on the `2⁻²⁰`th part around it. What is continuous like `|x|^a` falls by
+/// `2^(-16a)` between the two, to nine tenths for `a = 0.01`; at a pole the change grows.
 struct Jumps<'s, H: Hamiltonian> {
     system: &'s H,
     ends: [&'s State<H::Vector>; 2],
@@ -509,7 +528,8 @@ struct Jumps<'s, H: Hamiltonian> {
     point: State<H::Vector>,
 }
 
-/// A part of a chord: its ends as shares of the chord, their energies, how often the chord was halved, and the change on the part of `2^-COARSE` around it.
+/// A part of a chord: its ends as shares of the chord, their energies, how often the chord was halved, and
+/// the change on the part of `2^-COARSE` around it.
 #[derive(Clone, Copy)]
 struct Piece {
     ends: [f64; 2],
@@ -540,7 +560,7 @@ impl<'s, H: Hamiltonian> Jumps<'s, H> {
         let mut sum = 0.0;
         for _ in 0..EFFORT {
             let sizes = pieces.iter().map(|piece| piece.change().abs()).enumerate();
-            // Of numbers only: what is none is no jump.
+            // The comparison leaves NaN out: what is no number is no jump.
             let largest = sizes.fold((0, 0.0), |most, piece| if piece.1 > most.1 { piece } else { most });
             if largest.1 <= LEAST_SHARE * change.abs() {
                 break;
@@ -576,12 +596,14 @@ impl<'s, H: Hamiltonian> Jumps<'s, H> {
     }
 }
 
-/// The rounding error of the energy up to this state, `n r max(1, s (s + 1) √(R/A))`. `r` is the difference of the energies of all states that round to this one, in
-/// each of `n` steps and at the start; stiff steps err to one side. A step that is long for a linear motion has larger roundings, because its increments are
-/// differences of stages that are `ωh` times as large. `R = r/ε` is the size of the terms of the energy. For `s` stages, of order `2s`,
-/// `A = O(R) (s (s + 1) / ωh)²`, from the Padé approximation at infinity. A composition has the `s` of its parts, whose weights are of the size of one; its higher
-/// order does not matter for rounding. Explicit steps and their compositions have no stages, `s = 0`: each part adds its values to the state, and is stable only
-/// where these are at most as large as the state.
+/// The rounding error of the energy up to this state, `n r max(1, s (s + 1) √(R/A))`. `r` is the difference
+/// of the energies of all states that round to this one, in each of `n` steps and at the start; stiff steps
+/// err to one side. A step that is long for a linear motion has larger roundings, because its increments are
+/// differences of stages that are `ωh` times as large. `R = r/ε` is the size of the terms of the energy. For
+/// `s` stages, of order `2s`, `A = O(R) (s (s + 1) / ωh)²`, from the Padé approximation at infinity. A
+/// composition has the `s` of its parts, whose weights are of the size of one; its higher order does not
+/// matter for rounding. Explicit steps and their compositions have no stages, `s = 0`: each part adds its
+/// values to the state, and is stable only where these are at most as large as the state.
 #[cold]
 fn rounding<H: Discretized<E>, E>(system: &H, state: &State<H::Vector>, step: u64, motion: f64) -> f64 {
     let lift =
@@ -592,8 +614,9 @@ fn rounding<H: Discretized<E>, E>(system: &H, state: &State<H::Vector>, step: u6
     (step + 2) as f64 * error * longer
 }
 
-/// How much energy depends on which of two ends of the same step is right, `Σ_i |H_q δq| + |H_p δp|`, and the energy that moves in the step,
-/// `Σ_i |p H_p| + |Δq H_q|`, from its start to the second of them: terms of one degree of freedom each, so that no unit counts.
+/// How much energy depends on which of two ends of the same step is right, `Σ_i |H_q δq| + |H_p δp|`, and the
+/// energy that moves in the step, `Σ_i |p H_p| + |Δq H_q|`, from its start to the second of them: terms of
+/// one degree of freedom each, so that no unit counts.
 #[cold]
 pub(crate) fn disagreement<H: Hamiltonian>(
     system: &H,

@@ -1,21 +1,22 @@
 //! Thermostats: friction and thermal noise.
 //!
-//! A system with the quadratic kinetic energy `p · M⁻¹ p / 2` and the symmetric, positive semidefinite friction matrix `Γ` (mass/time) obeys,
-//! at the temperature `kT` (energy units), the Langevin equation
+//! A system with the quadratic kinetic energy `p · M⁻¹ p / 2` and the symmetric, positive semidefinite
+//! friction matrix `Γ` (mass/time) obeys, at the temperature `kT` (energy units), the Langevin equation
 //!
 //! ```text
 //! dq = M⁻¹ p dt,   dp = -∂H/∂q dt - Γ M⁻¹ p dt + σ dW,   σ σᵀ = 2 kT Γ
 //! ```
 //!
-//! The noise follows from friction and temperature, so that the Gibbs measure `exp(-H / kT)` is stationary. Friction and noise alone are an
-//! Ornstein-Uhlenbeck process with a known solution. Over the time `s`, with standard normals `ξ`,
+//! The noise follows from friction and temperature, so that the Gibbs measure `exp(-H / kT)` is stationary.
+//! Friction and noise alone are an Ornstein-Uhlenbeck process with a known solution. Over the time `s`, with
+//! standard normals `ξ`,
 //!
 //! ```text
 //! O:   p <- E p + R ξ,   E = exp(-s Γ M⁻¹),   R Rᵀ = kT (M - E M Eᵀ),   R lower triangular
 //! ```
 //!
-//! Where `Γ` depends on `q`, it is taken at the current `q`, which is constant during O. The schemes place O between
-//! symplectic parts of a step, each letter with an equal share of the step:
+//! Where `Γ` depends on `q`, it is taken at the current `q`, which is constant during O. The schemes place O
+//! between symplectic parts of a step, each letter with an equal share of the step:
 //!
 //! | scheme | step | for |
 //! |---|---|---|
@@ -25,23 +26,26 @@
 //! | [`GjI`] | kick, drift, O, drift, kick, with kicks and drifts over a shorter time | `T(p) + V(q, t)`, one rate |
 //! | [`Thermostat<E>`](Thermostat) | O, step of `E`, O | any `H` that `E` serves |
 //!
-//! (B. Leimkuhler, C. Matthews, *Molecular Dynamics*, Springer 2015, chapter 7; G. Bussi, M. Parrinello, "Accurate sampling using Langevin
-//! dynamics", Phys. Rev. E 75, 2007). With a harmonic force `Baoab` has the exact variance of `q`, `Obabo` that of `p`, and `Thermostat<Midpoint>`
-//! both, at any step size and friction.
+//! (B. Leimkuhler, C. Matthews, *Molecular Dynamics*, Springer 2015, chapter 7; G. Bussi, M. Parrinello,
+//! "Accurate sampling using Langevin dynamics", Phys. Rev. E 75, 2007). With a harmonic force `Baoab` has the
+//! exact variance of `q`, `Obabo` that of `p`, and `Thermostat<Midpoint>` both, at any step size and
+//! friction.
 //!
-//! Stationary distributions are correct to order `h²` at any friction; relaxation rates are not. A free particle diffuses with
-//! `D = kT/(m γ)` in the equation, and with all of these but `Gjf` and `GjI` with
+//! Stationary distributions are correct to order `h²` at any friction; relaxation rates are not. A free
+//! particle diffuses with `D = kT/(m γ)` in the equation, and with all of these but `Gjf` and `GjI` with
 //!
 //! ```text
 //! D = kT/(m γ) · (γh/2) coth(γh/2) = kT/(m γ) · (1 + (γh)²/12 - (γh)⁴/720 + ...)
 //! ```
 //!
-//! The cause is that the O part lasts `h` while the positions move by half-steps around it. At large friction, barrier-crossing rates have
-//! the same factor, 8 % at `γh = 1`. `Gjf` and `GjI` have both the exact diffusion and the exact variance of the positions in a harmonic
-//! well (N. Grønbech-Jensen, "Complete set of stochastic Verlet-type thermostats for correct Langevin simulations", Mol. Phys. 118, 2020).
+//! The cause is that the O part lasts `h` while the positions move by half-steps around it. At large
+//! friction, barrier-crossing rates have the same factor, 8 % at `γh = 1`. `Gjf` and `GjI` have both the
+//! exact diffusion and the exact variance of the positions in a harmonic well (N. Grønbech-Jensen, "Complete
+//! set of stochastic Verlet-type thermostats for correct Langevin simulations", Mol. Phys. 118, 2020).
 //!
-//! A step is driven by the increments of the listed noises, then `√h` times the standard normals of its O parts: one per O part (in the
-//! order of the step) and degree of freedom. A system without temperature has friction only, and no normals.
+//! A step is driven by the increments of the listed noises, then `√h` times the standard normals of its O
+//! parts: one per O part (in the order of the step) and degree of freedom. A system without temperature has
+//! friction only, and no normals.
 
 mod diagonal;
 mod matrix;
@@ -68,37 +72,44 @@ pub use splitting::{Letters, Splitting};
 pub use thermostat::Around;
 pub use word::{A, B, HarmonicLaw, O, Part, Spelling};
 
-/// Half a kick, half a drift, friction and noise, half a drift, half a kick: explicit, with one force for each step, for `T(p) + V(q, t)`.
+/// Half a kick, half a drift, friction and noise, half a drift, half a kick: explicit, with one force for
+/// each step, for `T(p) + V(q, t)`.
 ///
-/// The positions of a harmonic oscillator have the exact variance; that of its momenta is too small by the factor `1 - h² ω² / 4`. In
-/// general the bias of averages is of order 2, and of order 4 at large friction (B. Leimkuhler, C. Matthews, "Rational construction of
-/// stochastic numerical methods for molecular sampling", Appl. Math. Res. Express 2013). Diffusion, and barrier crossing at large
-/// friction, are too fast by the factor `(γh/2) coth(γh/2)`, 1.08 at `γh = 1`. If rates matter and `γh` is not small, use [`Gjf`].
+/// The positions of a harmonic oscillator have the exact variance; that of its momenta is too small by the
+/// factor `1 - h² ω² / 4`. In general the bias of averages is of order 2, and of order 4 at large friction
+/// (B. Leimkuhler, C. Matthews, "Rational construction of stochastic numerical methods for molecular
+/// sampling", Appl. Math. Res. Express 2013). Diffusion, and barrier crossing at large friction, are too fast
+/// by the factor `(γh/2) coth(γh/2)`, 1.08 at `γh = 1`. If rates matter and `γh` is not small, use [`Gjf`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Baoab;
 
-/// Friction and noise of half the step, half a kick, a drift, half a kick, friction and noise of the other half: one force for each step, explicit,
-/// for `T(p) + V(q, t)`. The momenta of a harmonic oscillator have the exact variance; that of the positions is too large by the factor `1 / (1 - h²
-/// ω² / 4)`. Its middle is a step of [`Verlet`](crate::scheme::compose::Verlet), so that a Metropolis test of that step makes the sampling exact.
+/// Friction and noise of half the step, half a kick, a drift, half a kick, friction and noise of the other
+/// half: one force for each step, explicit, for `T(p) + V(q, t)`. The momenta of a harmonic oscillator have
+/// the exact variance; that of the positions is too large by the factor `1 / (1 - h² ω² / 4)`. Its middle is
+/// a step of [`Verlet`](crate::scheme::compose::Verlet), so that a Metropolis test of that step makes the
+/// sampling exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Obabo;
 
-/// [`Baoab`] with the decay `c = (1 - γh/2)/(1 + γh/2)` of the momenta instead of `e^{-γh}`: a free particle diffuses with `D = kT/(m γ)`, and the positions of
-/// a harmonic oscillator have the exact variance, at any `h` and `γ` (N. Grønbech-Jensen, O. Farago, "A simple and effective Verlet-type algorithm for
-/// simulating Langevin dynamics", Mol. Phys. 111, 2013). For `γh > 2` the momenta alternate in sign; the positions remain correct. For several rates or a
-/// matrix, `c` is Cayley's map of `Γ M⁻¹`.
+/// [`Baoab`] with the decay `c = (1 - γh/2)/(1 + γh/2)` of the momenta instead of `e^{-γh}`: a free particle
+/// diffuses with `D = kT/(m γ)`, and the positions of a harmonic oscillator have the exact variance, at any
+/// `h` and `γ` (N. Grønbech-Jensen, O. Farago, "A simple and effective Verlet-type algorithm for simulating
+/// Langevin dynamics", Mol. Phys. 111, 2013). For `γh > 2` the momenta alternate in sign; the positions
+/// remain correct. For several rates or a matrix, `c` is Cayley's map of `Γ M⁻¹`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gjf;
 
-/// [`Baoab`] with kicks and drifts over the time `s h`, `s = √(tanh(γh/2)/(γh/2))`, instead of `h`: exact where [`Gjf`] is, with the decay `e^{-γh}`
-/// of the momenta (N. Grønbech-Jensen, Mol. Phys. 118, 2020). It needs one friction rate for all degrees of freedom and no other noises: else
-/// [`ConfigError`]. Ensembles with [`systems`](crate::ensemble::Ensemble::systems) use one stepper per path.
+/// [`Baoab`] with kicks and drifts over the time `s h`, `s = √(tanh(γh/2)/(γh/2))`, instead of `h`: exact
+/// where [`Gjf`] is, with the decay `e^{-γh}` of the momenta (N. Grønbech-Jensen, Mol. Phys. 118, 2020). It
+/// needs one friction rate for all degrees of freedom and no other noises: else [`ConfigError`]. Ensembles
+/// with [`systems`](crate::ensemble::Ensemble::systems) use one stepper per path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GjI;
 
-/// Friction and noise of half the step, a step of `E` without them, friction and noise of the other half. Its sampling error is that of the energy in
-/// `E`: `Thermostat<Midpoint>` and `Thermostat<Gauss<S>>` have the exact distribution of positions and momenta for every quadratic Hamiltonian and
-/// every `h`; otherwise the bias of `Thermostat<Gauss<S>>` is of order `2S`.
+/// Friction and noise of half the step, a step of `E` without them, friction and noise of the other half. Its
+/// sampling error is that of the energy in `E`: `Thermostat<Midpoint>` and `Thermostat<Gauss<S>>` have the
+/// exact distribution of positions and momenta for every quadratic Hamiltonian and every `h`; otherwise the
+/// bias of `Thermostat<Gauss<S>>` is of order `2S`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Thermostat<E>(PhantomData<E>);
 
@@ -129,8 +140,8 @@ pub fn validate<T: Elements>(system: &T) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Friction and temperature of a system `dp = -∂H/∂q dt - Γ M⁻¹ p dt + noise of covariance 2 kT Γ dt` with the quadratic kinetic energy
-/// `p · M⁻¹ p / 2`, which the compiler has proven.
+/// Friction and temperature of a system `dp = -∂H/∂q dt - Γ M⁻¹ p dt + noise of covariance 2 kT Γ dt` with
+/// the quadratic kinetic energy `p · M⁻¹ p / 2`, which the compiler has proven.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Friction {
@@ -196,7 +207,8 @@ impl Friction {
         self.has_temperatures || self.is_timed
     }
 
-    /// `kT` at a time: of each degree of freedom, or the one of all in a list of one. Zeros if the system has no temperature.
+    /// `kT` at a time: of each degree of freedom, or the one of all in a list of one. Zeros if the system has
+    /// no temperature.
     ///
     /// # Errors
     /// [`BathError::Temperature`]

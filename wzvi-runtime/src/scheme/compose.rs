@@ -1,13 +1,15 @@
 //! Compositions of schemes: [`Verlet`] and [`Composed`].
 //!
-//! A step of size `h` with increments `ΔW` approximates the flow of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`, frozen over the step. A
-//! composition takes steps of `γ_1 F, γ_2 F, ...` one after the other: steps of size `γ_j h` with increments `γ_j ΔW`, at the times `t +
-//! (γ_1 + ... + γ_{j-1}) h`. It is symplectic, like its parts, and the weights determine its order without noise (E. Hairer, C. Lubich, G.
-//! Wanner, *Geometric Numerical Integration*, sections II.4, V.3).
+//! A step of size `h` with increments `ΔW` approximates the flow of the step Hamiltonian
+//! `F = h H_0 + Σ_k ΔW_k H_k`, frozen over the step. A composition takes steps of `γ_1 F, γ_2 F, ...` one
+//! after the other: steps of size `γ_j h` with increments `γ_j ΔW`, at the times
+//! `t + (γ_1 + ... + γ_{j-1}) h`. It is symplectic, like its parts, and the weights determine its order
+//! without noise (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, sections II.4, V.3).
 //!
-//! There are two kinds of weights. [`Weights`] are a palindrome for any [symmetric](Symmetric) scheme of order two. [`Partitioned`] are the
-//! coefficients of a splitting in drifts and kicks. They also serve Hamiltonians that do not split, by the adjoint pair of [`Verlet`] (R. I.
-//! McLachlan, "On the numerical integration of ordinary differential equations by symmetric composition methods", SIAM J. Sci. Comput. 16,
+//! There are two kinds of weights. [`Weights`] are a palindrome for any [symmetric](Symmetric) scheme of
+//! order two. [`Partitioned`] are the coefficients of a splitting in drifts and kicks. They also serve
+//! Hamiltonians that do not split, by the adjoint pair of [`Verlet`] (R. I. McLachlan, "On the numerical
+//! integration of ordinary differential equations by symmetric composition methods", SIAM J. Sci. Comput. 16,
 //! 1995).
 //!
 //! The parts of a step depend on the structure of the system, which the compiler has proven:
@@ -53,10 +55,11 @@ pub use tables::{
 #[doc(hidden)]
 pub use text::Listing;
 
-/// [`DeltaPlus`](crate::scheme::embedding::DeltaPlus) over half the step, then [`DeltaMinus`](crate::scheme::embedding::DeltaMinus) over the
-/// other half: the Störmer-Verlet scheme, symmetric and of order two. For
-/// `T(p) + V(q, t)` it is explicit: kick, drift, kick, with one evaluation of the force for each step. For any other Hamiltonian it is the
-/// generalised Störmer-Verlet scheme. Each half takes half of the increments, which makes it consistent with every Stratonovich system.
+/// [`DeltaPlus`](crate::scheme::embedding::DeltaPlus) over half the step, then
+/// [`DeltaMinus`](crate::scheme::embedding::DeltaMinus) over the other half: the Störmer-Verlet scheme,
+/// symmetric and of order two. For `T(p) + V(q, t)` it is explicit: kick, drift, kick, with one evaluation of
+/// the force for each step. For any other Hamiltonian it is the generalised Störmer-Verlet scheme. Each half
+/// takes half of the increments, which makes it consistent with every Stratonovich system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Verlet;
 
@@ -66,9 +69,10 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 
 /// Weights of a composition of steps of a symmetric scheme of order two.
 ///
-/// The build checks that the weights are a palindrome with sum 1, and that the sums of their odd powers vanish as the order requires. With
-/// `const _: () = check_weights::<Own>();` ([`check_weights`]), `cargo check` does so, too. The other order conditions are not checked. See
-/// docs/guide/cookbook-parts.md for an example.
+/// The build checks that the weights are a palindrome with sum 1, and that the sums of their odd powers
+/// vanish as the order requires. With `const _: () = check_weights::<Own>();` ([`check_weights`]),
+/// `cargo check` does so, too. The other order conditions are not checked. See docs/guide/cookbook-parts.md
+/// for an example.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot compose this scheme",
     label = "not for this scheme",
@@ -81,10 +85,11 @@ pub trait Weights {
     const GAMMA: &'static [f64];
 }
 
-/// Coefficients of a splitting into alternating drifts, the flow of `T(p)`, and kicks, the flow of `V(q)`. For a table of your own, write
-/// `Composed<Verlet, `[`Table`]`<Own>>`.
+/// Coefficients of a splitting into alternating drifts, the flow of `T(p)`, and kicks, the flow of `V(q)`.
+/// For a table of your own, write `Composed<Verlet, `[`Table`]`<Own>>`.
 ///
-/// The build checks that the coefficients are a palindrome, and that those of drifts and those of kicks each sum to 1.
+/// The build checks that the coefficients are a palindrome, and that those of drifts and those of kicks each
+/// sum to 1.
 pub trait Partitioned {
     /// The order.
     const ORDER: u32;
@@ -98,8 +103,8 @@ pub trait Partitioned {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Table<W>(PhantomData<W>);
 
-/// Symmetric schemes, whose step backwards undoes the step forwards, and how they take the steps of a system with the structure `K`. [`Weights`]
-/// compose these.
+/// Symmetric schemes, whose step backwards undoes the step forwards, and how they take the steps of a system
+/// with the structure `K`. [`Weights`] compose these.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not symmetric, and its compositions have no higher order",
     note = "`Midpoint`, `Verlet` and `Gauss<S>` are"
@@ -136,8 +141,8 @@ pub trait Composes<E, K = General> {
     const ORDER: u32;
     /// The description in `EQUATIONS`.
     const LISTING: Listing;
-    /// The factors `c` of `h³ |V'|²`, one for each drift (zero) and kick, in the metric of the inverse masses; empty if kicks are by the
-    /// potential alone.
+    /// The factors `c` of `h³ |V'|²`, one for each drift (zero) and kick, in the metric of the inverse
+    /// masses; empty if kicks are by the potential alone.
     const GRADIENT: &'static [f64] = &[];
     /// The scheme that takes the steps.
     type Steps;
@@ -169,8 +174,8 @@ fn of_table<W: Partitioned>() -> Vec<Substep> {
 /// Drifts and kicks in turn, as steps of `Verlet` take them.
 type InTurn<K, W> = <Verlet as Symmetric<K>>::Steps<By<Verlet, K, W>>;
 
-/// Tables for the structures `K`: the scheme that takes the steps, the names of the two flows and a note on them, and the parts of a step for the
-/// drifts and kicks of a table.
+/// Tables for the structures `K`: the scheme that takes the steps, the names of the two flows and a note on
+/// them, and the parts of a step for the drifts and kicks of a table.
 macro_rules! for_structures {
     ($([$($generic:tt)*] $table:ty = $weights:ty: $steps:ty, $names:expr, $note:expr, $splitting:expr $(, $gradient:expr)?;)+) => {$(
         #[diagnostic::do_not_recommend]

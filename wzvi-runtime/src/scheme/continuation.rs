@@ -1,28 +1,35 @@
-//! Steps on which the fast solver fails: solved from zero with a line search, then by continuation along the step.
+//! Steps on which the fast solver fails: solved from zero with a line search, then by continuation along the
+//! step.
 //!
-//! The equations of a step may have several solutions, and Newton's method from far away finds any of them. The right one is connected with the state:
-//! it starts from zero change at `λ = 0` as the Hamiltonian of the step, `λ (h H_0 + Σ_k ΔW_k H_k)`, grows to `λ = 1`, which means solving the steps of
-//! size `λh` with increments `λΔW`. Where a solution is doubtful ([`Effort::doubt`], [`Effort::is_far`]) it is followed along `λ`. Each part starts
-//! where the one before ended, and is accepted if Newton's method leaves no doubt that it is still the same solution; else it is halved. After an
-//! accepted part the length is doubled, up to an eighth of the step: the force may change between the starts of two parts, and nothing else checks
-//! that.
+//! The equations of a step may have several solutions, and Newton's method from far away finds any of them.
+//! The right one is connected with the state: it starts from zero change at `λ = 0` as the Hamiltonian of the
+//! step, `λ (h H_0 + Σ_k ΔW_k H_k)`, grows to `λ = 1`, which means solving the steps of size `λh` with
+//! increments `λΔW`. Where a solution is doubtful ([`Effort::doubt`], [`Effort::is_far`]) it is followed
+//! along `λ`. Each part starts where the one before ended, and is accepted if Newton's method leaves no doubt
+//! that it is still the same solution; else it is halved. After an accepted part the length is doubled, up to
+//! an eighth of the step: the force may change between the starts of two parts, and nothing else checks that.
 //!
-//! The Jacobian at the end of a part must lead back to its start, too (`RETURN` in `damped.rs`). Where parts that do so cannot reach the end of the step
-//! although no fold is found, parts are accepted without this test, and the step is reported as doubtful.
+//! The Jacobian at the end of a part must lead back to its start, too (`RETURN` in `damped.rs`). Where parts
+//! that do so cannot reach the end of the step although no fold is found, parts are accepted without this
+//! test, and the step is reported as doubtful.
 //!
-//! At a fold the parts shrink without limit, and the step has no solution. At a kink of `H` the curve goes on: the corrections do not contract as they
-//! should, however short the part, but the displacement shrinks with the part, whereas a jump to another solution keeps its length.
+//! At a fold the parts shrink without limit, and the step has no solution. At a kink of `H` the curve goes
+//! on: the corrections do not contract as they should, however short the part, but the displacement shrinks
+//! with the part, whereas a jump to another solution keeps its length.
 //!
-//! Where the equations jump, at a condition on an unknown, the curve ends with a finite slope ([`STEEPEST`]). No step size avoids such an end: the part of a
-//! step that crosses the edge has it. The solution from zero lies beyond the edge, then. It is taken if it has a Jacobian as below, and the step is reported as
+//! Where the equations jump, at a condition on an unknown, the curve ends with a finite slope ([`STEEPEST`]).
+//! No step size avoids such an end: the part of a step that crosses the edge has it. The solution from zero
+//! lies beyond the edge, then. It is taken if it has a Jacobian as below, and the step is reported as
 //! doubtful.
 //!
-//! Where second derivatives are infinite on the way, as at contacts that just touch, corrections contract on no part of the step, however short, and
-//! following proves nothing. The solution from zero is taken by the same criterion as that of a stiff force, next.
+//! Where second derivatives are infinite on the way, as at contacts that just touch, corrections contract on
+//! no part of the step, however short, and following proves nothing. The solution from zero is taken by the
+//! same criterion as that of a stiff force, next.
 //!
-//! A stiff force far from equilibrium oscillates many times along `λ`, and no reasonable number of parts resolves that. Then the solution from
-//! zero is taken if its Jacobian has a positive determinant (and is definite, if it is symmetric), as the connected one has and the next one has
-//! not, and the step is reported as doubtful.
+//! A stiff force far from equilibrium oscillates many times along `λ`, and no reasonable number of parts
+//! resolves that. Then the solution from zero is taken if its Jacobian has a positive determinant (and is
+//! definite, if it is symmetric), as the connected one has and the next one has not, and the step is reported
+//! as doubtful.
 
 use crate::algebra::carry::Carry;
 use crate::algebra::few::{Few, List};
@@ -37,21 +44,27 @@ use crate::scheme::system::{
 /// The longest and the shortest part along which a solution is followed, as fractions of the step.
 const LONGEST: f64 = 1.0 / 8.0;
 const SHORTEST: f64 = 1.0 / 1048576.0;
-/// The most parts tried at the start of the step and at its end; between them the limit is linear in the fraction reached. A smooth curve takes ten,
-/// and one that passes a fold three per halving; where hundreds do not suffice, the force oscillates along the step.
+/// The most parts tried at the start of the step and at its end; between them the limit is linear in the
+/// fraction reached. A smooth curve takes ten, and one that passes a fold three per halving; where hundreds
+/// do not suffice, the force oscillates along the step.
 const MOST_TRIED: [f64; 2] = [64.0, 512.0];
-/// An end of the curve before this fraction of the step is no fold but a lack of resolution: nothing ends so small a step.
+/// An end of the curve before this fraction of the step is no fold but a lack of resolution: nothing ends so
+/// small a step.
 const EARLIEST_END: f64 = 1.0 / 16.0;
-/// The largest ratio of the displacements of a part and of one twice as long: 1/2 for a straight curve, with a margin for its curvature.
+/// The largest ratio of the displacements of a part and of one twice as long: 1/2 for a straight curve, with
+/// a margin for its curvature.
 const SHRINKING: f64 = 0.6;
 /// Such parts in a row by which a kink of the curve is recognised.
 const KINK: u32 = 4;
-/// The largest slope of the curve where it ends at a jump of the equations, in units of its mean slope so far. Before a fold at `λ*` the curve is
-/// `x* - K √(λ* - λ)`, and no part is longer than what is left after it. The last one is within 16 [`SHORTEST`] of the fold, with a slope of at least
-/// `K / (2 √(16 SHORTEST)) = 128 K`. The mean is `K / √λ*`, at most `4 K` after [`EARLIEST_END`]: folds are 32 times as steep, jumps about once.
+/// The largest slope of the curve where it ends at a jump of the equations, in units of its mean slope so
+/// far. Before a fold at `λ*` the curve is `x* - K √(λ* - λ)`, and no part is longer than what is left after
+/// it. The last one is within 16 [`SHORTEST`] of the fold, with a slope of at least
+/// `K / (2 √(16 SHORTEST)) = 128 K`. The mean is `K / √λ*`, at most `4 K` after [`EARLIEST_END`]: folds are
+/// 32 times as steep, jumps about once.
 const STEEPEST: f64 = 16.0;
 
-/// The most coordinates and momenta for which a first step is checked: in large systems its matrices cost too much.
+/// The most coordinates and momenta for which a first step is checked: in large systems its matrices cost too
+/// much.
 const MOST_CHECKED: usize = 64;
 
 /// A step to take.
@@ -92,8 +105,8 @@ type Solved<H, C> = Result<Continued<<H as Hamiltonian>::Vector, (), C>, StepFai
 /// Takes a step that failed for `cause`.
 ///
 /// # Errors
-/// `cause` if the arguments are invalid or not finite, [`StepFailure::NoSolution`] where the solution ends, else the
-/// failure of the careful solution.
+/// `cause` if the arguments are invalid or not finite, [`StepFailure::NoSolution`] where the solution ends,
+/// else the failure of the careful solution.
 #[cold]
 #[inline(never)]
 pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
@@ -153,8 +166,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         }
     }
 
-    /// Checks the end `[q, p]` that the fast solver found for a first step, or for one after a hard step, without a prediction. Returns the solution that
-    /// continues the state if that is another one. `room` is the memory for the steps of the check.
+    /// Checks the end `[q, p]` that the fast solver found for a first step, or for one after a hard step,
+    /// without a prediction. Returns the solution that continues the state if that is another one. `room` is
+    /// the memory for the steps of the check.
     ///
     /// # Errors
     /// [`StepFailure::NoSolution`] where it ends.
@@ -246,7 +260,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             match tried {
                 Some(mut step) if is_same => {
                     if fraction == 1.0 {
-                        // The result is certain. Parts of a step do not predict the next step; the step itself may.
+                        // The result is certain. Parts of a step do not predict the next step; the step
+                        // itself may.
                         step.effort = Effort { doubt: Doubt::None, is_far: false, iterations, ..step.effort };
                         left.tell(&Request::Hold);
                         return Ok(step.leaving(left));
@@ -264,7 +279,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     }
                     part *= 0.5;
                     if part < SHORTEST {
-                        // If the corrections contract without doubt, the curve goes on, hidden by rounding or by an oscillating force.
+                        // If the corrections contract without doubt, the curve goes on, hidden by rounding or
+                        // by an oscillating force.
                         let contracts = tried.is_some_and(|step| step.effort.doubt != Doubt::Straying);
                         let cause = match is_steep {
                             _ if contracts || reached < EARLIEST_END => Cause::Unknown,
@@ -280,7 +296,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
     }
 }
 
-/// Whether the last part of a curve from `start`, with this share of its length, is steeper than [`STEEPEST`] in any unknown.
+/// Whether the last part of a curve from `start`, with this share of its length, is steeper than [`STEEPEST`]
+/// in any unknown.
 fn is_steeper<V: Vector>(start: [&V; 2], [from, to]: [&[V; 2]; 2], share: f64) -> bool {
     start.iter().zip(from).zip(to).any(|((start, from), to)| {
         let mut components = start.components().iter().zip(from.components()).zip(to.components());
@@ -291,8 +308,9 @@ fn is_steeper<V: Vector>(start: [&V; 2], [from, to]: [&[V; 2]; 2], share: f64) -
     })
 }
 
-/// Whether two steps from `start` end in the same state. Results for one solution differ by rounding, far below a millionth of the displacement; two
-/// solutions come as close as the square root of rounding only where they merge.
+/// Whether two steps from `start` end in the same state. Results for one solution differ by rounding, far
+/// below a millionth of the displacement; two solutions come as close as the square root of rounding only
+/// where they merge.
 pub(crate) fn is_near<V: Vector>(start: &V, [a, b]: [&V; 2]) -> bool {
     let ends = a.components().iter().zip(b.components());
     start.components().iter().zip(ends).all(|(start, (a, b))| {

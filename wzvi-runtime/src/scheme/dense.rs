@@ -1,18 +1,22 @@
 //! Dense output: the path between the nodes of a step.
 //!
-//! A step leads from `z_0 = (q, p)` at `t` to `z_1` at `t + h`. At `t + θh`, `0 ≤ θ ≤ 1`, the path is a polynomial `u(θ)` with `u(0) = z_0`
-//! and `u(1) = z_1`, both to the last bit:
+//! A step leads from `z_0 = (q, p)` at `t` to `z_1` at `t + h`. At `t + θh`, `0 ≤ θ ≤ 1`, the path is a
+//! polynomial `u(θ)` with `u(0) = z_0` and `u(1) = z_1`, both to the last bit:
 //!
-//! * [`Gauss<S>`](crate::scheme::gauss::Gauss) with two stages or more: the collocation polynomial `u'(c_i) = J∇F(U_i)` of its stages, of degree `S`
-//!   (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section II.1.2). It costs no evaluation.
-//! * all other schemes: the cubic with the rates `u'(0) = J∇F(z_0)` and `u'(1) = J∇F(z_1)` (Hermite), one gradient per step. Where the order of the
-//!   scheme is 4 or more, the rates at the inner Lobatto points are then evaluated on the current polynomial and interpolated by the next one,
-//!   until the error of the polynomial is of higher order than that of the scheme (W. H. Enright, K. R. Jackson, S. P. Nørsett,
-//!   P. G. Thomsen, "Interpolants for Runge-Kutta formulas", ACM Trans. Math. Softw. 12, 1986): 2, 9 and 20 gradients more for order 4, 6 and 8.
+//! * [`Gauss<S>`](crate::scheme::gauss::Gauss) with two stages or more: the collocation polynomial
+//!   `u'(c_i) = J∇F(U_i)` of its stages, of degree `S` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical
+//!   Integration*, section II.1.2). It costs no evaluation.
+//! * all other schemes: the cubic with the rates `u'(0) = J∇F(z_0)` and `u'(1) = J∇F(z_1)` (Hermite), one
+//!   gradient per step. Where the order of the scheme is 4 or more, the rates at the inner Lobatto points are
+//!   then evaluated on the current polynomial and interpolated by the next one, until the error of the
+//!   polynomial is of higher order than that of the scheme (W. H. Enright, K. R. Jackson, S. P. Nørsett, P.
+//!   G. Thomsen, "Interpolants for Runge-Kutta formulas", ACM Trans. Math. Softw. 12, 1986): 2, 9 and 20
+//!   gradients more for order 4, 6 and 8.
 //!
-//! `F = h H_0 + Σ_k ΔW_k H_k` is the step Hamiltonian with the increments of the step, so that with noise the polynomial follows the flow of the
-//! frozen step Hamiltonian: the interpolation of Wong and Zakai, in which each `W_k` is a straight line from node to node. The path of the
-//! stochastic equation is not smooth there, and no polynomial follows it. The effect of a [bath](crate::scheme::bath) appears at the nodes only.
+//! `F = h H_0 + Σ_k ΔW_k H_k` is the step Hamiltonian with the increments of the step, so that with noise the
+//! polynomial follows the flow of the frozen step Hamiltonian: the interpolation of Wong and Zakai, in which
+//! each `W_k` is a straight line from node to node. The path of the stochastic equation is not smooth there,
+//! and no polynomial follows it. The effect of a [bath](crate::scheme::bath) appears at the nodes only.
 
 mod hermite;
 mod slopes;
@@ -73,9 +77,10 @@ impl<V: Vector> DenseOutput<V> {
         }
     }
 
-    /// The order in `h` of the largest error inside a step, apart from that of the nodes: `S + 1` for `Gauss<S>` with two stages or more, else 4,
-    /// and one more than the order of the scheme from 4 on, up to 9. 0 before the first step. With noise it is the order in the size of the step
-    /// Hamiltonian, `h` and the increments together.
+    /// The order in `h` of the largest error inside a step, apart from that of the nodes: `S + 1` for
+    /// `Gauss<S>` with two stages or more, else 4, and one more than the order of the scheme from 4 on, up
+    /// to 9. 0 before the first step. With noise it is the order in the size of the step Hamiltonian, `h` and
+    /// the increments together.
     pub fn order(&self) -> u32 {
         self.order
     }
@@ -184,7 +189,7 @@ impl<V: Vector> DenseOutput<V> {
         }
     }
 
-    /// The same for a scheme without a polynomial of its own.
+    /// [`DenseOutput::fill`] for a scheme without a polynomial of its own.
     pub(crate) fn fill_by_rates<H: Discretized<E, Vector = V>, E>(
         &mut self,
         system: &H,
@@ -218,7 +223,8 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// The ends of `parts` equal parts of a step, for polynomials of `rows` coefficients. Computes only what is new.
+    /// The ends of `parts` equal parts of a step, for polynomials of `rows` coefficients. Computes only what
+    /// is new.
     pub(crate) fn set(&mut self, rows: usize, parts: usize) {
         if (self.rows, self.parts) != (rows, parts) {
             (self.rows, self.parts) = (rows, parts);

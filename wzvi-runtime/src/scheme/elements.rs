@@ -1,9 +1,10 @@
-//! Systems of elements: the code that `#[hamiltonian]` generates for a phase space of unknown dimension, and the step
-//! that uses it.
+//! Systems of elements: the code that `#[hamiltonian]` generates for a phase space of unknown dimension, and
+//! the step that uses it.
 //!
-//! The compiler gives the discrete Lagrangian as a table of [`Stage`]s, and the derivatives of the parts of the step
-//! Hamiltonian. Each stage has the weights of `q_i` and `q_{i+1}` in its coordinates and the parts that are evaluated there.
-//! The unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i` of the discrete Euler-Lagrange equations
+//! The compiler gives the discrete Lagrangian as a table of [`Stage`]s, and the derivatives of the parts of
+//! the step Hamiltonian. Each stage has the weights of `q_i` and `q_{i+1}` in its coordinates and the parts
+//! that are evaluated there. The unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i` of the
+//! discrete Euler-Lagrange equations
 //!
 //! ```text
 //! L_d = P · u - Σ_s F_s(P, Q_s, T_s),  Q_s = q_i + c_s u,  T_s = t_i + c_s h,  P = p_i + v
@@ -20,11 +21,12 @@
 //! its own terms: the choice affects the cost, but no significant digit. If neither converges, the stepper
 //! takes a careful step.
 //!
-//! The linear equations of Newton's method are solved by elimination in a band, after a renumbering of the unknowns, if the band is
-//! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), otherwise by GMRES with
-//! products with the Jacobian, which is not stored ([`Method::Krylov`]: lattices, random graphs, all pairs). Its preconditioner is a
-//! factorisation of the Jacobian of an earlier step: first an incomplete one, with the pattern of the Jacobian; if that takes too many
-//! products, a complete one in the order of a nested dissection, with which one product is enough at any stiffness.
+//! The linear equations of Newton's method are solved by elimination in a band, after a renumbering of the
+//! unknowns, if the band is narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred
+//! unknowns), otherwise by GMRES with products with the Jacobian, which is not stored ([`Method::Krylov`]:
+//! lattices, random graphs, all pairs). Its preconditioner is a factorisation of the Jacobian of an earlier
+//! step: first an incomplete one, with the pattern of the Jacobian; if that takes too many products, a
+//! complete one in the order of a nested dissection, with which one product is enough at any stiffness.
 
 mod bath;
 mod beside;
@@ -117,7 +119,8 @@ pub struct Point<'a, S: Scalar, V: ?Sized = [S]> {
     pub dw: &'a [S],
     /// The numbers of the noises that act: all in a step, one for a single noise Hamiltonian.
     pub acting: Range<usize>,
-    /// `e^{γ (t - t_i)}`, the ratio of these momenta to those of the state, with the rate `γ` of the friction that steps include.
+    /// `e^{γ (t - t_i)}`, the ratio of these momenta to those of the state, with the rate `γ` of the friction
+    /// that steps include.
     pub scale: S::Constant,
 }
 
@@ -152,11 +155,13 @@ pub enum By {
     PP,
 }
 
-/// The generated code of a system whose Hamiltonians are sums of elements. Such a system is a [`Hamiltonian`](crate::scheme::system::Hamiltonian).
+/// The generated code of a system whose Hamiltonians are sums of elements. Such a system is a
+/// [`Hamiltonian`](crate::scheme::system::Hamiltonian).
 ///
-/// Elements with the same rule for their increments form a *part*: the drift (part 0), the noises (part 1), the terms that a scheme adds
-/// to them (part 2), the force beside the drift (part 3; slopes `-f` by coordinates, no value) and, for values only, the first integrals,
-/// from part [`Facts::integrals`] on. A part is weighted by `weight` and by its increments.
+/// Elements with the same rule for their increments form a *part*: the drift (part 0), the noises (part 1),
+/// the terms that a scheme adds to them (part 2), the force beside the drift (part 3; slopes `-f` by
+/// coordinates, no value) and, for values only, the first integrals, from part [`Facts::integrals`] on. A
+/// part is weighted by `weight` and by its increments.
 pub trait Elements: Sized {
     /// As `Hamiltonian::Vector`.
     type Vector: Vector;
@@ -174,7 +179,8 @@ pub trait Elements: Sized {
     #[doc(hidden)]
     const PLACES: places::Places = places::Places { components: 1, tables: &[], nests: &[] };
 
-    /// A range of the list `table` of [`Elements::PLACES`], or of the list nested in it at the indices `outer`.
+    /// A range of the list `table` of [`Elements::PLACES`], or of the list nested in it at the indices
+    /// `outer`.
     #[doc(hidden)]
     fn entries(&self, table: usize, outer: &[usize], range: Range<usize>) -> places::Entries {
         let _ = (table, outer, range);
@@ -226,15 +232,16 @@ pub trait Elements: Sized {
         &[]
     }
 
-    /// The weighted value of a part; 0 if the part does not exist. All slices have the checked number of degrees of
-    /// freedom.
+    /// The weighted value of a part; 0 if the part does not exist. All slices have the checked number of
+    /// degrees of freedom.
     fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S;
 
-    /// The number type of slopes where numbers are stored as `f64`: functions have the same bits on every machine and in
-    /// lanes.
+    /// The number type of slopes where numbers are stored as `f64`: functions have the same bits on every
+    /// machine and in lanes.
     type Exact: Number<f64>;
 
-    /// The number type of slopes in vectorised loops: NaN where vector code cannot give the result of [`Elements::Exact`].
+    /// The number type of slopes in vectorised loops: NaN where vector code cannot give the result of
+    /// [`Elements::Exact`].
     type Usual: Number<f64>;
 
     /// Adds the weighted slopes of a part to `by_q` and `by_p`, computed in numbers `T`.
@@ -248,9 +255,9 @@ pub trait Elements: Sized {
         by_p: &mut (impl Sums<S> + ?Sized),
     );
 
-    /// Gives the weighted second derivatives of a part to `into`, entry by entry, with their variables. Each pair of different variables comes
-    /// once, and its derivative is alone unless its mirror image is another entry: on the diagonal and in a force. Only those that steps need
-    /// are generated. All noises act.
+    /// Gives the weighted second derivatives of a part to `into`, entry by entry, with their variables. Each
+    /// pair of different variables comes once, and its derivative is alone unless its mirror image is another
+    /// entry: on the diagonal and in a force. Only those that steps need are generated. All noises act.
     fn curvature<S: Scalar>(
         &self,
         part: usize,
@@ -278,7 +285,7 @@ impl<'a, S: Scalar, V: ?Sized> Point<'a, S, V> {
 }
 
 impl<S: Scalar> Point<'_, S> {
-    /// The same, if numbers are `f64`.
+    /// The point in numbers `f64`, if its numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain(&self) -> Option<Point<'_, f64>> {
         let Self { q, p, t, h, dw, acting, scale, .. } = self;
@@ -288,7 +295,8 @@ impl<S: Scalar> Point<'_, S> {
     }
 }
 
-/// Adds the weighted slopes of a part at all places; rows of pairs in vector instructions use the exact numbers.
+/// Adds the weighted slopes of a part at all places; rows of pairs in vector instructions use the exact
+/// numbers.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn slopes<H: Elements, S: Scalar>(
     system: &H,
@@ -313,7 +321,8 @@ pub(crate) fn slopes<H: Elements, S: Scalar>(
 /// Where slopes are evaluated: `[t, h]`, `[q, p]` and the increments of the noises.
 pub type FieldAt<'a, S> = ([S; 2], [&'a [S]; 2], &'a [S]);
 
-/// The wanted slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`; `t` is the same in all lanes, or is not read.
+/// The wanted slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`; `t` is the same in all lanes, or is not
+/// read.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     (system, parameters): (&H, &[S::Constant]),
@@ -406,14 +415,16 @@ where
     }
 }
 
-/// Whether scratch for `ready` degrees of freedom fits a state of `got`; the system was checked when the scratch was made.
+/// Whether scratch for `ready` degrees of freedom fits a state of `got`; the system was checked when the
+/// scratch was made.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn is_sized<H: Elements>(system: &H, ready: usize, got: usize) -> bool {
     let known = system.degrees();
     ready == got && got != 0 && (known == 0 || known == got)
 }
 
-/// Coordinates, which must fit the system, and momenta, cut to its size so that loops over both need no bounds checks.
+/// Coordinates, which must fit the system, and momenta, cut to its size so that loops over both need no
+/// bounds checks.
 ///
 /// # Errors
 /// [`StepFailure::Dimension`] if the number of momenta differs.
@@ -448,7 +459,8 @@ fn increments<'a, H: Elements, S>(system: &H, dw: &'a [S]) -> Result<&'a [S], St
 /// Whether a state of `got` degrees of freedom fits the system and can be stepped; an empty one cannot.
 ///
 /// # Errors
-/// [`StepFailure::Dimension`] if it does not, [`StepFailure::Index`] if an integer of the system is out of range.
+/// [`StepFailure::Dimension`] if it does not, [`StepFailure::Index`] if an integer of the system is out of
+/// range.
 pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
     let expected = system.degrees();
     if expected != 0 && expected != got || got == 0 {

@@ -6,8 +6,8 @@
 //! L_d = P · (q_{i+1} - q_i) - Σ_m c_m H_m(P, q_{l_m}, t_i + l_m h),    c_0 = h,  c_k = ΔW_k.
 //! ```
 //!
-//! They carry no data: `#[hamiltonian(embedding = ...)]` names them. Any type can be declared an embedding by its points and
-//! weights: `embedding = [Trapezoidal = [(0, 1/2), (1, 1/2)]]`.
+//! They carry no data: `#[hamiltonian(embedding = ...)]` names them. Any type can be declared an embedding by
+//! its points and weights: `embedding = [Trapezoidal = [(0, 1/2), (1, 1/2)]]`.
 
 use std::marker::PhantomData;
 
@@ -24,7 +24,8 @@ pub use crate::scheme::compose::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeltaPlus;
 
-/// `l = 1/2`: the paper's mid-point embedding, of deterministic order two; consistent with every Stratonovich system.
+/// `l = 1/2`: the paper's mid-point embedding, of deterministic order two; consistent with every Stratonovich
+/// system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Midpoint;
 
@@ -40,8 +41,9 @@ pub struct Lambda<const N: u32, const D: u32>;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mixed<Drift, Noise>(PhantomData<(Drift, Noise)>);
 
-/// `E` with the counter-term `Σ_jk (1/2 - l) ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p` in the step Hamiltonian. This makes it consistent, and of strong
-/// order one if the noises commute. If all these products are constant, it is `E` itself.
+/// `E` with the counter-term `Σ_jk (1/2 - l) ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p` in the step Hamiltonian. This makes
+/// it consistent, and of strong order one if the noises commute. If all these products are constant, it is
+/// `E` itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Corrected<E>(PhantomData<E>);
 

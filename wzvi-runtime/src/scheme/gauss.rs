@@ -13,8 +13,9 @@
 //! Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are eliminated (Nyström form), which doubles
 //! the digits gained per sweep.
 //!
-//! Coefficients, their symmetries, and the prediction of the stages from those of the step before: M. Antoñana, J. Makazaga, A. Murua,
-//! "Reducing and monitoring round-off error propagation for symplectic implicit Runge-Kutta schemes", Numer. Algorithms 76, 2017.
+//! Coefficients, their symmetries, and the prediction of the stages from those of the step before: M.
+//! Antoñana, J. Makazaga, A. Murua, "Reducing and monitoring round-off error propagation for symplectic
+//! implicit Runge-Kutta schemes", Numer. Algorithms 76, 2017.
 
 mod action;
 mod advance;
@@ -50,8 +51,8 @@ pub use advance::Prepared;
 pub use kept::Memory;
 pub use stages::{One, Stages};
 
-/// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and consistent
-/// with every Stratonovich system. `Gauss<1>` is [`Midpoint`](crate::scheme::embedding::Midpoint).
+/// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and
+/// consistent with every Stratonovich system. `Gauss<1>` is [`Midpoint`](crate::scheme::embedding::Midpoint).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gauss<const S: usize>;
 
@@ -70,13 +71,15 @@ pub trait Field: Elements + Sized {
     /// Lists of one entry per noise.
     type Noises: Shape;
 
-    /// The parameters that the slopes read, for systems whose lists are arrays: nothing else of the system is read. Empty for others.
+    /// The parameters that the slopes read, for systems whose lists are arrays: nothing else of the system is
+    /// read. Empty for others.
     type Parameters: Parameters;
 
     /// The values of these parameters.
     fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K>;
 
-    /// Takes all parts of a step of drifts and kicks, window by window, if the system [has windows](Facts::has_windows) and `F = T(p) + V(q, t)`.
+    /// Takes all parts of a step of drifts and kicks, window by window, if the system [has
+    /// windows](Facts::has_windows) and `F = T(p) + V(q, t)`.
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if the new state is not finite.
@@ -94,7 +97,8 @@ pub trait Field: Elements + Sized {
     /// The matrix `K` of the quadratic part `q · K q / 2` of the potential energy, by rows.
     fn stiffness<K: Constant>(&self, _parameters: &[K], _k: &mut [K]) {}
 
-    /// `∂F/∂q` and `∂F/∂p`, as requested. Slices have one entry per degree of freedom or noise; `columns` is scratch.
+    /// `∂F/∂q` and `∂F/∂p`, as requested. Slices have one entry per degree of freedom or noise; `columns` is
+    /// scratch.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn step_slopes<K: Constant, S: Over<K>, const BY_Q: bool, const BY_P: bool>(
         &self,

@@ -1,7 +1,8 @@
 //! The Hamiltonian whose flow the steps follow: backward error analysis.
 //!
-//! A symplectic step of size `h` of a system without noise and explicit time is, up to terms that are exponentially small in
-//! `1/h`, the flow of a modified Hamiltonian (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, chapter IX)
+//! A symplectic step of size `h` of a system without noise and explicit time is, up to terms that are
+//! exponentially small in `1/h`, the flow of a modified Hamiltonian (E. Hairer, C. Lubich, G. Wanner,
+//! *Geometric Numerical Integration*, chapter IX)
 //!
 //! ```text
 //! H~ = H + h H_2 + h² H_3 + h³ H_4 + h⁴ H_5 + ...
@@ -14,9 +15,9 @@
 //! H_3 = (1/12 - l (1 - l)/2) (H_pp(H_q, H_q) + H_qq(H_p, H_p)) + (1/3 - l (1 - l)) H_pq(H_q, H_p)
 //! ```
 //!
-//! For [`Verlet`] `H_2 = 0` and `H_3 = H_qq(H_p, H_p)/12 - H_pp(H_q, H_q)/24 + H_pq(H_q, H_p)/12`. Every term is a combination of
-//! contractions of derivatives of `H`, which are trees. Poisson brackets combine them (`modified/series.rs`), which gives the terms of
-//! compositions as well.
+//! For [`Verlet`] `H_2 = 0` and `H_3 = H_qq(H_p, H_p)/12 - H_pp(H_q, H_q)/24 + H_pq(H_q, H_p)/12`. Every term
+//! is a combination of contractions of derivatives of `H`, which are trees. Poisson brackets combine them
+//! (`modified/series.rs`), which gives the terms of compositions as well.
 
 mod contraction;
 mod series;
@@ -33,7 +34,8 @@ use crate::scheme::system::{Discretized, Hamiltonian};
 use contraction::Contractions;
 use series::{HIGHEST_ORDER, Series, modified};
 
-/// Systems without noise whose Hamiltonian does not read the time: their symplectic steps conserve a modified energy.
+/// Systems without noise whose Hamiltonian does not read the time: their symplectic steps conserve a modified
+/// energy.
 #[diagnostic::on_unimplemented(
     message = "steps of `{Self}` conserve no modified energy",
     label = "`{Self}` has noise, or a Hamiltonian that reads the time",
@@ -53,7 +55,7 @@ pub trait ModifiedBy {
     fn parts() -> Vec<(f64, f64)>;
 }
 
-/// Of one quadrature point `l`, from 0 to 1.
+/// Implements [`ModifiedBy`] for schemes of one quadrature point `l`, from 0 to 1.
 macro_rules! of_one_point {
     ($($scheme:ty $([$($number:ident)+])?: $l:expr;)+) => {$(
         #[diagnostic::do_not_recommend]
@@ -74,7 +76,7 @@ of_one_point! {
     Gauss<1>: 0.5;
 }
 
-/// That of `E`, where only the embedding of the noise differs.
+/// Implements [`ModifiedBy`] as for `E`, where only the embedding of the noise differs.
 macro_rules! as_without_noise {
     ($($scheme:ty $([$noise:ident])?;)+) => {$(
         #[diagnostic::do_not_recommend]
@@ -120,8 +122,8 @@ impl<E: Symmetric<First: ModifiedBy, Second: ModifiedBy>, W: Composes<E>> Modifi
 /// H~ = H + h^r H_(r+1)          r = 2 for schemes of order 2, r for compositions of order r; for order 1 r = 2 and also h H_2
 /// ```
 ///
-/// Its error is `O(h³)` for schemes of order 1, `O(h⁴)` for those of order 2, and `O(h⁶)` and `O(h⁸)` for compositions of order 4 and 6. It
-/// varies over a run by at least that.
+/// Its error is `O(h³)` for schemes of order 1, `O(h⁴)` for those of order 2, and `O(h⁶)` and `O(h⁸)` for
+/// compositions of order 4 and 6. It varies over a run by at least that.
 #[derive(Clone)]
 pub struct ModifiedHamiltonian<E> {
     series: Series,
@@ -154,7 +156,8 @@ impl<E: ModifiedBy> ModifiedHamiltonian<E> {
         Self { series, scheme: PhantomData }
     }
 
-    /// The modified energy of a state, in units of energy; NaN where the energy is. Costs a few gradients with derivatives.
+    /// The modified energy of a state, in units of energy; NaN where the energy is. Costs a few gradients
+    /// with derivatives.
     pub fn energy<H>(&self, system: &H, state: &State<H::Vector>) -> f64
     where
         H: Discretized<E> + Conservative,

@@ -51,8 +51,8 @@ pub enum Knowledge {
 pub enum EnergyWatch {
     /// `H_0` is conserved, by proof: its values are compared with that at the start.
     FromStart,
-    /// Nothing shows that `H_0` changes or jumps, and no proof excludes it. The values are compared with that at the start, and with
-    /// that behind a jump where the run finds one.
+    /// Nothing shows that `H_0` changes or jumps, and no proof excludes it. The values are compared with that
+    /// at the start, and with that behind a jump where the run finds one.
     Undecided,
     /// Not at all: the text of `H_0` shows a jump, and a run cannot see every crossing of it.
     Discontinuous,
@@ -60,7 +60,8 @@ pub enum EnergyWatch {
     Never,
 }
 
-/// The energy that the steps of a scheme conserve to rounding in a linear system: [`Properties::kept_energy`](crate::scheme::system::Properties::kept_energy).
+/// The energy that the steps of a scheme conserve to rounding in a linear system:
+/// [`Properties::kept_energy`](crate::scheme::system::Properties::kept_energy).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeptEnergy {
     /// `H`
@@ -92,28 +93,33 @@ pub struct Facts {
     pub is_damped: bool,
     /// Friction and temperature, where the O part of a thermostat can apply them.
     pub bath: Option<Friction>,
-    /// Whether a branch depends on a condition in several coordinates or momenta: then a slope may read a variable although the second derivative vanishes.
+    /// Whether a branch depends on a condition in several coordinates or momenta: then a slope may read a
+    /// variable although the second derivative vanishes.
     pub has_pieces: bool,
     /// Friction, forces and explicit time.
     pub kind: Kind,
-    /// The index of `H_A` among the parts of the [elements](crate::scheme::elements::Elements), the one before `H_B`, and the forms of both, for `drift = [H_A, H_B]`.
+    /// The index of `H_A` among the parts of the [elements](crate::scheme::elements::Elements), the one
+    /// before `H_B`, and the forms of both, for `drift = [H_A, H_B]`.
     pub parts: Option<(usize, [Form; 2])>,
     /// The index of the first part of the elements that is a first integral.
     pub integrals: usize,
-    /// Whether slopes can be computed window by window: elements that read coordinates add to adjacent places, and those
-    /// that read momenta read one each and add to its place.
+    /// Whether slopes can be computed window by window: elements that read coordinates add to adjacent
+    /// places, and those that read momenta read one each and add to its place.
     pub has_windows: bool,
-    /// Whether elements have rows of pairs, see [`Pair`](crate::scheme::elements::Pair): then slopes of large systems in `f64` are
-    /// vectorised.
+    /// Whether elements have rows of pairs, see [`Pair`](crate::scheme::elements::Pair): then slopes of large
+    /// systems in `f64` are vectorised.
     pub has_pairs: bool,
-    /// The halves of the phase space with slopes of elements whose [`Placements`](crate::scheme::elements::Placements) are evaluated in
-    /// lanes: in large systems, with `f64`, these are vectorised.
+    /// The halves of the phase space with slopes of elements whose
+    /// [`Placements`](crate::scheme::elements::Placements) are evaluated in lanes: in large systems, with
+    /// `f64`, these are vectorised.
     pub gathers: Slopes,
     /// Whether all velocities are the slopes of one element in one loop over all places.
     pub has_one_velocity: bool,
-    /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments; `false` without windows.
+    /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor
+    /// increments; `false` without windows.
     pub has_constant_curvature: bool,
-    /// The most degrees of freedom of one point that depend on each other, where elements of loops couple no points.
+    /// The most degrees of freedom of one point that depend on each other, where elements of loops couple no
+    /// points.
     pub coupled_degrees: Option<usize>,
 }
 
@@ -173,7 +179,8 @@ impl Facts {
 pub struct Plan {
     /// How the hardest block of the step is solved.
     pub solver: Solver,
-    /// Size of the largest coupled block of unknowns: 0 if explicit, `usize::MAX` where only the state knows it.
+    /// Size of the largest coupled block of unknowns: 0 if explicit, `usize::MAX` where only the state knows
+    /// it.
     pub unknowns: usize,
     /// Order in `h` without noise.
     pub order: u32,
@@ -181,20 +188,25 @@ pub struct Plan {
     pub noise: NoiseClass,
     /// Whether the scheme converges to the Stratonovich system as `h -> 0`.
     pub consistent: bool,
-    /// Whether the continuous system conserves the drift Hamiltonian: `{H_k, H_0} = 0` for every noise, no explicit time, and no jump of `H_0`.
+    /// Whether the continuous system conserves the drift Hamiltonian: `{H_k, H_0} = 0` for every noise, no
+    /// explicit time, and no jump of `H_0`.
     pub conserves_energy: Knowledge,
-    /// Whether jumps that the text of `H_0` shows are the only reason why it is not conserved: then it is, from one jump to the next.
+    /// Whether jumps that the text of `H_0` shows are the only reason why it is not conserved: then it is,
+    /// from one jump to the next.
     pub energy_jumps: bool,
     /// Whether `{H_j, H_k}` is constant for all noises: then the strong order of a consistent scheme is one.
     pub commuting: Knowledge,
-    /// Whether increments that are frozen over a step leave a weak order of two: the noises commute and `Σ_k {H_k, {H_k, H_0}}` is constant,
-    /// as for `H_k = -σ q` with constant masses. [`Plan::weak_order`] has the rest.
+    /// Whether increments that are frozen over a step leave a weak order of two: the noises commute and
+    /// `Σ_k {H_k, {H_k, H_0}}` is constant, as for `H_k = -σ q` with constant masses. [`Plan::weak_order`]
+    /// has the rest.
     pub has_weak_order_two: bool,
-    /// Whether the temperature of the bath depends on the time or on the degree of freedom: then no Boltzmann law is stationary.
+    /// Whether the temperature of the bath depends on the time or on the degree of freedom: then no Boltzmann
+    /// law is stationary.
     pub is_out_of_equilibrium: bool,
 }
 
-/// One line: `linear step (one unknown) of order 2; multiplicative noise: strong order 1, weak order 1; the system keeps its energy`.
+/// One line:
+/// `linear step (one unknown) of order 2; multiplicative noise: strong order 1, weak order 1; the system keeps its energy`.
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self.solver {
@@ -249,9 +261,9 @@ impl Plan {
         }
     }
 
-    /// The order in `h` of the root mean square error of paths driven by the same increments; `None` if the scheme does not converge
-    /// to the Stratonovich system. It is 1 if the brackets of the noises are known to be constant, else 1/2, since increments alone
-    /// determine no more of the path.
+    /// The order in `h` of the root mean square error of paths driven by the same increments; `None` if the
+    /// scheme does not converge to the Stratonovich system. It is 1 if the brackets of the noises are known
+    /// to be constant, else 1/2, since increments alone determine no more of the path.
     pub const fn strong_order(&self) -> Option<f64> {
         match (self.noise, self.consistent, self.commuting) {
             (NoiseClass::None, ..) => Some(self.order as f64),
@@ -262,17 +274,20 @@ impl Plan {
         }
     }
 
-    /// The order in `h` of the error of expectations of smooth functions; `None` as for [`Plan::strong_order`].
+    /// The order in `h` of the error of expectations of smooth functions; `None` as for
+    /// [`Plan::strong_order`].
     ///
-    /// The mean of a step with frozen increments of commuting noises is, with `L_k` the derivative along the flow of `H_k`,
+    /// The mean of a step with frozen increments of commuting noises is, with `L_k` the derivative along the
+    /// flow of `H_k`,
     ///
     /// ```text
     /// E exp(h L_0 + Σ_k ΔW_k L_k) = exp(h (L_0 + ½ Σ_k L_k²)) - (h²/12) Σ_k [L_k, [L_k, L_0]] + O(h³)
     /// ```
     ///
-    /// so that the order is two where `Σ_k {H_k, {H_k, H_0}}` is constant ([`Plan::has_weak_order_two`]), and one elsewhere. A step of order two
-    /// adds terms of third order in `h H_0 + Σ_k ΔW_k H_k`. If all noises read coordinates alone, or momenta alone, or are affine, the mean of these is a
-    /// multiple of the same sum. For other noises the step needs order four.
+    /// so that the order is two where `Σ_k {H_k, {H_k, H_0}}` is constant ([`Plan::has_weak_order_two`]), and
+    /// one elsewhere. A step of order two adds terms of third order in `h H_0 + Σ_k ΔW_k H_k`. If all noises
+    /// read coordinates alone, or momenta alone, or are affine, the mean of these is a multiple of the same
+    /// sum. For other noises the step needs order four.
     pub const fn weak_order(&self) -> Option<f64> {
         let least = if matches!(self.noise, NoiseClass::Multiplicative) { 4 } else { 2 };
         match (self.noise, self.consistent) {
@@ -284,8 +299,8 @@ impl Plan {
         }
     }
 
-    /// Whether the increments of random paths are truncated by default. They are if the step is implicit and noise enters its equations,
-    /// since an unbounded increment could hit a pole of the scheme.
+    /// Whether the increments of random paths are truncated by default. They are if the step is implicit and
+    /// noise enters its equations, since an unbounded increment could hit a pole of the scheme.
     pub const fn truncates_increments(&self) -> bool {
         !matches!(self.solver, Solver::Explicit)
             && !matches!(self.noise, NoiseClass::None | NoiseClass::Thermal | NoiseClass::Additive)

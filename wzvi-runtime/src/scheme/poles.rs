@@ -12,10 +12,11 @@
 //! A = [ m H_pq, m H_pp; -(1 - m) H_qq, -(1 - m) H_qp ]
 //! ```
 //!
-//! If `H_k` is quadratic, `A_k` is constant, and the poles in `ΔW` are one over the real eigenvalues of `(I - h A_0)⁻¹ A_k`. For `H_k = s q p`,
-//! `m = 1/2` and no drift they are `±2/s`. Increments are truncated at `A_h √h`, so that a step size below which none is reached always exists.
-//! `check` refuses longer steps. It takes the drift at the start, and each noise by itself: increments of independent noises that are all near
-//! their bounds at once do not occur.
+//! If `H_k` is quadratic, `A_k` is constant, and the poles in `ΔW` are one over the real eigenvalues of
+//! `(I - h A_0)⁻¹ A_k`. For `H_k = s q p`, `m = 1/2` and no drift they are `±2/s`. Increments are truncated
+//! at `A_h √h`, so that a step size below which none is reached always exists. `check` refuses longer steps.
+//! It takes the drift at the start, and each noise by itself: increments of independent noises that are all
+//! near their bounds at once do not occur.
 
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{DMatrix, Schur};
@@ -30,13 +31,14 @@ use crate::error::ConfigError;
 pub struct Poles {
     /// The points `m` of the parts of a step.
     pub points: [f64; 2],
-    /// The largest fraction of the step, in absolute value, that a part takes; for stages that are solved at once, 2 over the real pole of their
-    /// stability function.
+    /// The largest fraction of the step, in absolute value, that a part takes; for stages that are solved at
+    /// once, 2 over the real pole of their stability function.
     pub fraction: f64,
 }
 
-/// Twice the real zeros of the reversed Bessel polynomials of odd degrees, from degree 1 on: the poles of the stability functions of Gauss's
-/// collocation, the diagonal Padé approximants of `e^z`. Those of even degrees have none.
+/// Twice the real zeros of the reversed Bessel polynomials of odd degrees, from degree 1 on: the poles of the
+/// stability functions of Gauss's collocation, the diagonal Padé approximants of `e^z`. Polynomials of even
+/// degrees have none.
 const OF_STAGES: [f64; 8] = [
     2.0,
     4.644_370_709_252_171,
@@ -49,12 +51,12 @@ const OF_STAGES: [f64; 8] = [
 ];
 
 impl Poles {
-    /// Those of a step with one `P`.
+    /// The poles of a step with one `P`.
     pub(crate) const fn at(point: f64) -> Self {
         Self { points: [point; 2], fraction: 1.0 }
     }
 
-    /// Those of Gauss's collocation; none on the real axis for an even number of stages.
+    /// The poles of Gauss's collocation; none on the real axis for an even number of stages.
     pub(crate) const fn of_stages(stages: usize) -> Option<Self> {
         if stages % 2 == 1 && stages / 2 < OF_STAGES.len() {
             Some(Self { points: [0.5; 2], fraction: 2.0 / OF_STAGES[stages / 2] })
@@ -66,7 +68,8 @@ impl Poles {
 
 /// Systems with more degrees of freedom are looked at where each noise acts.
 const WHOLE: usize = 16;
-/// The number of noises times degrees of freedom up to which every noise is looked at, and beyond which as many as make it up.
+/// The number of noises times degrees of freedom up to which every noise is looked at, and beyond which as
+/// many as make it up.
 const MOST: usize = 1 << 16;
 
 /// Refuses steps in which an increment within `bound(h)` reaches a pole.
@@ -93,8 +96,8 @@ pub(crate) fn check<H: Discretized<E>, E>(
     refuse([at[0].len(), system.noises()], h, (poles, bound), curvature)
 }
 
-/// Writes the derivative of the slopes of a term, `(H_q, H_p)`, in a direction of the phase space, at the start or at a state shifted
-/// from it.
+/// Writes the derivative of the slopes of a term, `(H_q, H_p)`, in a direction of the phase space, at the
+/// start or at a state shifted from it.
 type Curvature<'c> = &'c dyn Fn(usize, bool, &dyn Fn(usize) -> f64, &mut [f64]);
 
 fn along<H: Hamiltonian>(
@@ -161,7 +164,8 @@ fn refuse(
     }
 }
 
-/// A step size of at most three digits that does not reach a pole, and is near the largest one; its sign is that of `h`.
+/// A step size of at most three digits that does not reach a pole, and is near the largest one; its sign is
+/// that of `h`.
 fn largest(h: f64, reaches: &dyn Fn(f64) -> bool) -> f64 {
     let (mut short, mut long) = (0.5 * h, h);
     while reaches(short) && short.abs() > f64::MIN_POSITIVE {
@@ -219,7 +223,8 @@ impl Noise {
             .then_some(Self { of })
     }
 
-    /// The least increment, in absolute value, for which a step of size `h` has no unique solution; infinite if there is none.
+    /// The least increment, in absolute value, for which a step of size `h` has no unique solution; infinite
+    /// if there is none.
     fn pole(&self, h: f64) -> f64 {
         let of_part = |[drift, noise]: &[DMatrix<f64>; 2]| {
             let n = drift.nrows();
@@ -233,7 +238,8 @@ impl Noise {
             let size = rates.amax();
             let Some(schur) = Schur::try_new(rates, f64::EPSILON, 1000) else { return f64::INFINITY };
             let eigenvalues = schur.complex_eigenvalues();
-            // Two equal real eigenvalues are found as a pair with imaginary parts of the root of the rounding.
+            // Two equal real eigenvalues are found as a pair with imaginary parts of the root of the
+            // rounding.
             let real =
                 eigenvalues.iter().filter(|rate| rate.im.abs() <= 1e-7 * size).map(|rate| rate.re.abs());
             // Below that root, an eigenvalue of a nilpotent matrix is zero.
@@ -265,8 +271,9 @@ mod tests {
         assert_eq!((Poles::of_stages(2), Poles::of_stages(1)), (None, Some(Poles::at(0.5))));
     }
 
-    /// In closed form: `s q p` without drift, beside an oscillator (`±2 √(1 + x²)/s`, `x = ω h / 2`), and a fluctuating force constant `s q²/2`, whose
-    /// matrix is nilpotent and whose pole comes with the drift: `4 (1 + x²) / (s h)`.
+    /// In closed form: `s q p` without drift, beside an oscillator (`±2 √(1 + x²)/s`, `x = ω h / 2`), and a
+    /// fluctuating force constant `s q²/2`, whose matrix is nilpotent and whose pole comes with the drift:
+    /// `4 (1 + x²) / (s h)`.
     #[test]
     fn poles_are_those_of_closed_forms() {
         let (s, h) = (0.7, 0.3);

@@ -48,7 +48,8 @@ pub type SystemState<H> = State<<H as Hamiltonian>::Vector>;
 /// Friction, forces and explicit time of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// Whether friction with one rate, `dp = ... - γ p dt`, is part of every step, which is then conformally symplectic.
+    /// Whether friction with one rate, `dp = ... - γ p dt`, is part of every step, which is then conformally
+    /// symplectic.
     pub is_conformal: bool,
     /// Whether there is a force beside the drift: [`Hamiltonian::force`].
     pub is_forced: bool,
@@ -70,8 +71,9 @@ pub fn fits<H: Hamiltonian + ?Sized>(system: &H, degrees: usize) -> bool {
     degrees > 0 && matches!(system.degrees(), known if known == 0 || known == degrees)
 }
 
-/// A stochastic Hamiltonian system `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = Σ_m (f_m - ∂H_m/∂q) ∘ dX_m` with `X_0 = t`, `X_k = W_k` and forces `f_m`: the
-/// noises with a Hamiltonian come first, then those with a force.
+/// A stochastic Hamiltonian system `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = Σ_m (f_m - ∂H_m/∂q) ∘ dX_m` with
+/// `X_0 = t`, `X_k = W_k` and forces `f_m`: the noises with a Hamiltonian come first, then those with a
+/// force.
 pub trait Hamiltonian {
     /// The type of `q` and of `p`.
     type Vector: Vector;
@@ -82,8 +84,8 @@ pub trait Hamiltonian {
     /// Whether a state with this many degrees of freedom can be evaluated, or why not.
     ///
     /// # Errors
-    /// [`StepFailure::Dimension`] for a wrong number of degrees of freedom; [`StepFailure::Index`] if an integer of
-    /// the system is out of range.
+    /// [`StepFailure::Dimension`] for a wrong number of degrees of freedom; [`StepFailure::Index`] if an
+    /// integer of the system is out of range.
     fn check(&self, degrees: usize) -> Result<(), StepFailure> {
         let (expected, got) = (self.degrees().max(1), degrees);
         if fits(self, got) { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
@@ -100,13 +102,15 @@ pub trait Hamiltonian {
     /// Checks the friction, if there is any.
     ///
     /// # Errors
-    /// [`ConfigError::Bath`] if a rate is negative or not finite, a damping matrix not symmetric, or a mass with friction not positive.
+    /// [`ConfigError::Bath`] if a rate is negative or not finite, a damping matrix not symmetric, or a mass
+    /// with friction not positive.
     fn validate(&self) -> Result<(), ConfigError> {
         Ok(())
     }
 
-    /// Writes the force beside the drift into `into`, one component per degree of freedom; NaN where [`Hamiltonian::evaluate`] would be. It includes friction
-    /// other than that of [`Hamiltonian::friction_rate`] and of thermostats.
+    /// Writes the force beside the drift into `into`, one component per degree of freedom; NaN where
+    /// [`Hamiltonian::evaluate`] would be. It includes friction other than that of
+    /// [`Hamiltonian::friction_rate`] and of thermostats.
     fn force<S: Scalar>(&self, q: &[S], p: &[S], t: f64, into: &mut [S]) {
         let _ = (p, t);
         let fits = fits(self, q.len()) && into.len() == q.len();
@@ -128,8 +132,8 @@ pub trait Hamiltonian {
         Variables::unnamed(self.degrees())
     }
 
-    /// Name and value of parameter number `index` of the Hamiltonians; `None` beyond the last. Messages use it to name a parameter that
-    /// differs between runs.
+    /// Name and value of parameter number `index` of the Hamiltonians; `None` beyond the last. Messages use
+    /// it to name a parameter that differs between runs.
     fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
         let _ = index;
         None
@@ -140,12 +144,14 @@ pub trait Hamiltonian {
         &[]
     }
 
-    /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise, zero for a noise force; NaN for a term that does not exist.
+    /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise, zero for a noise force; NaN
+    /// for a term that does not exist.
     ///
     /// NaN unless `q` and `p` have [`Hamiltonian::degrees`] elements.
     fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S;
 
-    /// The gradient of `H_term` into `dq`, `dp`, for a noise force `f` the pair `-f`, 0; NaN where [`Hamiltonian::evaluate`] would be.
+    /// The gradient of `H_term` into `dq`, `dp`, for a noise force `f` the pair `-f`, 0; NaN where
+    /// [`Hamiltonian::evaluate`] would be.
     fn differentiate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64, dq: &mut [S], dp: &mut [S]);
 
     /// The value of first integral `index`, in the order of the attribute; NaN for one that does not exist.
@@ -184,9 +190,9 @@ pub trait Hamiltonian {
         term_gradient(self, k.saturating_add(1), state)
     }
 
-    /// The gradient of `Σ_k ΔW_k H_k`, with `-ΔW_k f_k` for noise forces, of a state of the system; NaN unless `dw` has one increment per
-    /// noise. Loops run over their noises once, whereas calling [`Hamiltonian::noise_gradient`] for each costs noises times degrees of
-    /// freedom.
+    /// The gradient of `Σ_k ΔW_k H_k`, with `-ΔW_k f_k` for noise forces, of a state of the system; NaN
+    /// unless `dw` has one increment per noise. Loops run over their noises once, whereas calling
+    /// [`Hamiltonian::noise_gradient`] for each costs noises times degrees of freedom.
     fn differentiate_noises(
         &self,
         dw: &[f64],
@@ -239,8 +245,9 @@ pub struct Segment<V> {
     pub h: f64,
 }
 
-/// The partial derivatives of the discrete Lagrangian of one [`Segment`]; with forces, including their shares of the virtual work `f⁻ · δq_i + f⁺ · δq_{i+1}`
-/// (J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 2001, section 3.2); with friction of a rate `γ`, with the factor
+/// The partial derivatives of the discrete Lagrangian of one [`Segment`]; with forces, including their shares
+/// of the virtual work `f⁻ · δq_i + f⁺ · δq_{i+1}` (J. E. Marsden, M. West, "Discrete mechanics and
+/// variational integrators", Acta Numerica 2001, section 3.2); with friction of a rate `γ`, with the factor
 /// `e^{-γ h}` in `q1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LagrangianGradient<V> {
@@ -264,7 +271,8 @@ impl<V: Vector> LagrangianGradient<V> {
 /// The residual of the discrete Euler-Lagrange equations at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EulerLagrangeResidual<V> {
-    /// `D_2 L_d(previous) + D_1 L_d(next)`, with the forces of both: the difference of the two momenta of the node.
+    /// `D_2 L_d(previous) + D_1 L_d(next)`, with the forces of both: the difference of the two momenta of the
+    /// node.
     pub node: V,
     /// `∂L_d(next)/∂P`
     pub momentum: V,
@@ -274,7 +282,8 @@ pub struct EulerLagrangeResidual<V> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Exchange {
-    /// By forces; in systems with forces, friction or a bath also by noises and explicit time: a quadrature along the steps.
+    /// By forces; in systems with forces, friction or a bath also by noises and explicit time: a quadrature
+    /// along the steps.
     #[cfg_attr(feature = "serde", serde(with = "crate::ground::loose::number"))]
     pub work: f64,
     /// By friction and bath.
@@ -289,7 +298,8 @@ impl AddAssign for Exchange {
     }
 }
 
-/// Checks that there are as many momenta as coordinates and, in full unless a state with as many `was_checked`, that the system has as many.
+/// Checks that there are as many momenta as coordinates and, in full unless a state with as many
+/// `was_checked`, that the system has as many.
 ///
 /// # Errors
 /// The errors of [`Hamiltonian::check`]
@@ -306,7 +316,7 @@ pub(crate) fn check_state(
     if got == expected { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
 }
 
-/// The same, and that there is one increment per noise.
+/// Checks a state as [`check_state`] does, and that there is one increment per noise.
 ///
 /// # Errors
 /// The errors of [`check_state`], [`StepFailure::Increments`]
@@ -344,8 +354,8 @@ pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
     mistaken_parameter(system).map_or(Ok(()), |_| Err(ConfigError::Parameter))
 }
 
-/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. The bound for generic user code; generated for
-/// every `E` that the system lists in its `embedding`.
+/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. The bound
+/// for generic user code; generated for every `E` that the system lists in its `embedding`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
     label = "this scheme was not generated for `{Self}`",
@@ -374,8 +384,8 @@ pub trait Discretized<E>: Hamiltonian + Sized {
     /// As [`Scheme::PROPERTIES`].
     const PROPERTIES: Properties = <Self::Scheme as Scheme<Self>>::PROPERTIES;
 
-    /// The number of increments that drive a step of a state with this many degrees of freedom: those of the noises, and after them `√h` times the
-    /// standard normals of a bath.
+    /// The number of increments that drive a step of a state with this many degrees of freedom: those of the
+    /// noises, and after them `√h` times the standard normals of a bath.
     fn increments(&self, degrees: usize) -> usize {
         Self::Scheme::increments(self, degrees)
     }
@@ -393,8 +403,9 @@ pub trait Discretized<E>: Hamiltonian + Sized {
         Self::Scheme::prepare(self, &as_they_are, h)
     }
 
-    /// One step from `(q, p)` at `t` in place, in any numbers, with plain sums: by the fast solver, and from zero with a line search if
-    /// that fails. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`] elements.
+    /// One step from `(q, p)` at `t` in place, in any numbers, with plain sums: by the fast solver, and from
+    /// zero with a line search if that fails. Slices have [`Hamiltonian::degrees`] and
+    /// [`Discretized::increments`] elements.
     ///
     /// # Errors
     /// If no solution was found, or sizes do not fit; `q`, `p` and `memory` are then unchanged.
@@ -413,8 +424,8 @@ pub trait Discretized<E>: Hamiltonian + Sized {
         anew::advance::<Self, Self::Scheme, f64, S>(self, prepared, At { t, h, q, p, dw }, memory)
     }
 
-    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A constant counter-term, which affects no equation,
-    /// is left out.
+    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A constant
+    /// counter-term, which affects no equation, is left out.
     fn discrete_lagrangian(&self, segment: &Segment<Self::Vector>, dw: &[f64]) -> f64 {
         Self::Scheme::discrete_lagrangian(self, segment, dw)
     }
@@ -446,9 +457,10 @@ pub trait Discretized<E>: Hamiltonian + Sized {
         EulerLagrangeResidual { node, momentum: after.p }
     }
 
-    /// The momentum `P` of the step from `before` to `after`. The generated step does not store it: it follows from the equations of the node
-    /// momenta, given both ends. NaN if no momentum satisfies both equations, as between states that no step joins, and where the rounding of
-    /// `P` has no bound: in long steps, where the forces depend on `P` so strongly that `Σ_s a_s |∂²F/∂q∂P|` does not contract.
+    /// The momentum `P` of the step from `before` to `after`. The generated step does not store it: it
+    /// follows from the equations of the node momenta, given both ends. NaN if no momentum satisfies both
+    /// equations, as between states that no step joins, and where the rounding of `P` has no bound: in long
+    /// steps, where the forces depend on `P` so strongly that `Σ_s a_s |∂²F/∂q∂P|` does not contract.
     fn step_momentum(
         &self,
         before: &State<Self::Vector>,

@@ -28,7 +28,7 @@ impl Dependencies {
         Self { reads, cost }
     }
 
-    /// The same of equations that are not known yet: all cost the same.
+    /// The structure of equations that are not known yet: all cost the same.
     pub(crate) fn of(reads: Vec<Vec<Unknown>>) -> Self {
         let cost = vec![1; reads.len()];
         Self { reads, cost }

@@ -1,15 +1,16 @@
 //! Elementary functions whose bits are the same on every machine.
 //!
-//! The functions of `std` are those of the platform and differ in the last bit between targets. These do not: they use
-//! IEEE additions, multiplications, divisions and square roots in a fixed order, without fused operations, so that
-//! SSE2, AVX2, AVX-512 and NEON agree. They do not branch for usual arguments, so a loop over an array becomes
-//! vector code. Rare arguments (huge, subnormal, infinite, NaN, out of the domain) take the functions of the crate
-//! `libm`, one number at a time, which are as portable. So every result is a function of its argument alone.
+//! The functions of `std` are those of the platform and differ in the last bit between targets. These do not:
+//! they use IEEE additions, multiplications, divisions and square roots in a fixed order, without fused
+//! operations, so that SSE2, AVX2, AVX-512 and NEON agree. They do not branch for usual arguments, so a loop
+//! over an array becomes vector code. Rare arguments (huge, subnormal, infinite, NaN, out of the domain) take
+//! the functions of the crate `libm`, one number at a time, which are as portable. So every result is a
+//! function of its argument alone.
 //!
 //! The formulas and polynomials are those of fdlibm:
 //!
-//! > Copyright (C) 1993, 2004 by Sun Microsystems, Inc. All rights reserved. Permission to use, copy, modify, and
-//! > distribute this software is freely granted, provided that this notice is preserved.
+//! > Copyright (C) 1993, 2004 by Sun Microsystems, Inc. All rights reserved. Permission to use, copy, modify,
+//! and > distribute this software is freely granted, provided that this notice is preserved.
 
 mod exponential;
 mod hyperbolic;
@@ -29,7 +30,8 @@ pub(super) use power::{Cbrt, Hypot, Pow};
 pub(crate) use trigonometric::{COSINE, SINE};
 pub(super) use trigonometric::{Cos, Sin, Tan};
 
-/// `name(arguments): fast where condition, else rare`: `fast` has no branches and is right where the condition holds, `rare` is right elsewhere.
+/// `name(arguments): fast where condition, else rare`: `fast` has no branches and is right where the
+/// condition holds, `rare` is right elsewhere.
 ///
 /// Not a trait over arrays of arguments: with one, `Gauss<2>` takes 4 % more instructions for a pendulum.
 macro_rules! functions {

@@ -1,8 +1,8 @@
 //! The instruction set, chosen at run time on the outermost loop.
 //!
-//! A default build is for the oldest processor of its target. The loops of an ensemble are compiled once for each of the
-//! instruction sets here, and the best one of the machine is used. The results do not depend on it: no operation
-//! rounds differently, and nothing is fused.
+//! A default build is for the oldest processor of its target. The loops of an ensemble are compiled once for
+//! each of the instruction sets here, and the best one of the machine is used. The results do not depend on
+//! it: no operation rounds differently, and nothing is fused.
 
 /// A set of vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,7 +47,8 @@ impl InstructionSet {
         narrow.map_or(self, |(set, _)| set)
     }
 
-    /// Runs the kernel with these instructions, or with those of the baseline where the machine does not have them, and in builds with debug assertions.
+    /// Runs the kernel with these instructions, or with those of the baseline where the machine does not have
+    /// them, and in builds with debug assertions.
     // A function of its own would copy kernels that registers do not hold.
     #[inline]
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
@@ -64,16 +65,16 @@ impl InstructionSet {
 }
 
 /// Work that is compiled for every instruction set: `run` and all functions that it calls on its way are
-/// `#[cfg_attr(not(debug_assertions), inline(always))]`. With debug assertions nothing is inlined by that, other instructions would not reach the inner
-/// loops, and the work is compiled for the baseline only.
+/// `#[cfg_attr(not(debug_assertions), inline(always))]`. With debug assertions nothing is inlined by that,
+/// other instructions would not reach the inner loops, and the work is compiled for the baseline only.
 ///
-/// Closures cannot have that attribute. One that is called in a single place is inlined anyway, and so compiled for the same
-/// instructions. This is why each instruction set has a width of its own.
+/// Closures cannot have that attribute. One that is called in a single place is inlined anyway, and so
+/// compiled for the same instructions. This is why each instruction set has a width of its own.
 pub trait Kernel {
     /// The result.
     type Output;
-    /// Does the work with `L` numbers side by side, enough to hide the latency of one operation; or with `HALF` of them where each needs
-    /// more registers.
+    /// Does the work with `L` numbers side by side, enough to hide the latency of one operation; or with
+    /// `HALF` of them where each needs more registers.
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output;
 }
 

@@ -1,8 +1,10 @@
-//! One number with the functions of [`Lanes`](super::Lanes), bit for bit: alone, or in a loop that becomes vector code.
+//! One number with the functions of [`Lanes`](super::Lanes), bit for bit: alone, or in a loop that becomes
+//! vector code.
 //!
-//! Alone, functions are calls. In a loop over neighbours they are inlined without the branch for rare arguments, which would
-//! prevent vectorisation. Instead, every value that depends on a rare argument is NaN, comparisons included. A result is therefore
-//! either that of [`Lanes`](super::Lanes) or NaN, and the caller computes NaNs again, alone.
+//! Alone, functions are calls. In a loop over neighbours they are inlined without the branch for rare
+//! arguments, which would prevent vectorisation. Instead, every value that depends on a rare argument is NaN,
+//! comparisons included. A result is therefore either that of [`Lanes`](super::Lanes) or NaN, and the caller
+//! computes NaNs again, alone.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 

@@ -1,4 +1,5 @@
-//! Numbers that do not depend on the state: one for all lanes of a step, one for each, or one with its derivatives.
+//! Numbers that do not depend on the state: one for all lanes of a step, one for each, or one with its
+//! derivatives.
 
 use std::array::from_fn;
 use std::fmt::Debug;
@@ -10,12 +11,13 @@ use crate::algebra::solve::{Factor, FactorsByLane};
 use crate::error::StepFailure;
 use crate::ground::numbers::for_tuples;
 
-/// The type of prepared numbers: `f64` where all lanes of a step have one system, [`Lanes`] where each has its own, [`Dual`] for derivatives with
-/// respect to parameters and the step size.
+/// The type of prepared numbers: `f64` where all lanes of a step have one system, [`Lanes`] where each has
+/// its own, [`Dual`] for derivatives with respect to parameters and the step size.
 pub trait Constant: Over<Self> + Scalar<Mask: Send + Sync> + Send + Sync {
     /// A factored matrix of such numbers.
     type Factor<const N: usize>: Clone + Debug + Send + Sync;
-    /// The constants of numbers with one more derivative, [`Over::Along`]. Of systems side by side there are none: those of the first stand for them.
+    /// The constants of numbers with one more derivative, [`Over::Along`]. Systems in lanes share the
+    /// constants of the first.
     type Lifted: Constant;
 
     /// Factors a matrix, given by rows.
@@ -27,7 +29,8 @@ pub trait Constant: Over<Self> + Scalar<Mask: Send + Sync> + Send + Sync {
     /// As a constant of numbers with one more derivative.
     fn lifted(self) -> Self::Lifted;
 
-    /// A parameter of a system: the entry of the list of all parameters where they have derivatives, else the value.
+    /// A parameter of a system: the entry of the list of all parameters where they have derivatives, else the
+    /// value.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn parameter(varied: &[Self], number: usize, value: f64) -> Self {
         let _ = (varied, number);
@@ -82,7 +85,7 @@ pub trait Over<K: Constant>:
 {
     /// [`Dual<1, Self>`](Dual).
     type Along: Over<K::Lifted>;
-    /// The same lists.
+    /// The lists as lists of [`Over::Along`].
     fn along<const N: usize>(lists: [&mut [Dual<1, Self>]; N]) -> [&mut [Self::Along]; N];
     /// A constant as such a number.
     fn constant(constant: K) -> Self;
@@ -94,8 +97,8 @@ pub trait Over<K: Constant>:
     }
     /// The truth of a comparison of constants.
     fn truth(truth: K::Mask) -> Self::Mask;
-    /// The first number where a comparison of constants is true, else the second. Only one of them is computed where the comparison is the same for
-    /// all lanes.
+    /// The first number where a comparison of constants is true, else the second. Only one of them is
+    /// computed where the comparison is the same for all lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn choose(truth: K::Mask, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
         if truth.all() { then() } else { otherwise() }

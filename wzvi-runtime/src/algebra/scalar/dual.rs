@@ -1,10 +1,11 @@
 //! Dual numbers `a + b ε` with `ε² = 0`: exact derivatives through any generic computation.
 //!
-//! With `N` infinitesimals at once, `f(x + ε) = f(x) + f'(x) ε` carries a whole gradient through one run. A part that is
-//! exactly zero stays zero through every function, also where the slope is infinite: constants are constants.
+//! With `N` infinitesimals at once, `f(x + ε) = f(x) + f'(x) ε` carries a whole gradient through one run. A
+//! part that is exactly zero stays zero through every function, also where the slope is infinite: constants
+//! are constants.
 //!
-//! The parts of a dual number may be dual numbers themselves: `Dual<1, Dual<1>>` carries a second derivative, in the
-//! direction of each.
+//! The parts of a dual number may be dual numbers themselves: `Dual<1, Dual<1>>` carries a second derivative,
+//! in the direction of each.
 
 use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -64,9 +65,9 @@ pub(super) use functions_by_slope;
 
 /// A number with its partial derivatives in `N` directions.
 ///
-/// Comparisons, [`Scalar::min`] and [`Scalar::max`] go by value. Where a function has a kink, the derivative is that of
-/// the branch that `f64` takes (`|x|` at 0 has slope `signum(0.0) = 1`); at the origin `hypot` and `atan2` have none,
-/// and the derivative is NaN.
+/// Comparisons, [`Scalar::min`] and [`Scalar::max`] go by value. Where a function has a kink, the derivative
+/// is that of the branch that `f64` takes (`|x|` at 0 has slope `signum(0.0) = 1`); at the origin `hypot` and
+/// `atan2` have none, and the derivative is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize, S = f64> {
     /// The number.
@@ -81,7 +82,8 @@ impl<const N: usize, S: Scalar> Dual<N, S> {
         Self { value, derivative: [S::from_f64(0.0); N] }
     }
 
-    /// Independent variable `index`, with derivative 1 in that direction; a constant if there is no such direction.
+    /// Independent variable `index`, with derivative 1 in that direction; a constant if there is no such
+    /// direction.
     pub fn variable(value: S, index: usize) -> Self {
         Self { value, derivative: std::array::from_fn(|i| S::from_f64(f64::from(i == index))) }
     }

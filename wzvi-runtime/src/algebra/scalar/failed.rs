@@ -4,7 +4,7 @@ use super::{Mask, Scalar};
 use crate::error::{FailedLanes, StepFailure};
 
 impl FailedLanes {
-    /// Those of a mask.
+    /// The lanes of a mask.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn of<S: Scalar>(mask: S::Mask) -> Self {
         let mut bits = 0;

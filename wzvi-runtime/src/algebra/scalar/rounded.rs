@@ -1,9 +1,10 @@
 //! Numbers with a bound on their rounding error: running error analysis.
 //!
-//! An operation adds its own rounding, `ε |result|` and the smallest number for underflow, to the errors of its operands,
-//! multiplied by its derivatives (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, SIAM 2002, section 3.3).
-//! Where an iteration stagnates, the emitted equations of a step are evaluated on these numbers, to decide whether the
-//! residual is more than rounding. The bounds do not depend on units: each compares a number only with itself.
+//! An operation adds its own rounding, `ε |result|` and the smallest number for underflow, to the errors of
+//! its operands, multiplied by its derivatives (N. J. Higham, *Accuracy and Stability of Numerical
+//! Algorithms*, SIAM 2002, section 3.3). Where an iteration stagnates, the emitted equations of a step are
+//! evaluated on these numbers, to decide whether the residual is more than rounding. The bounds do not depend
+//! on units: each compares a number only with itself.
 
 use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -14,8 +15,8 @@ use crate::ground::numbers::numbers;
 
 /// Twice the largest rounding error of one operation: the bound also holds where the errors of many add up.
 const EPSILON: f64 = f64::EPSILON;
-/// The error of an elementary function of the standard library or of [`Lanes`](crate::algebra::lanes::Lanes): two and a
-/// half units in the last place, and as much for the difference between both.
+/// The error of an elementary function of the standard library or of [`Lanes`](crate::algebra::lanes::Lanes):
+/// two and a half units in the last place, and as much for the difference between both.
 const FUNCTION: f64 = 4.0 * f64::EPSILON;
 /// The spacing of numbers where they underflow.
 const SMALLEST: f64 = f64::MIN_POSITIVE * f64::EPSILON;

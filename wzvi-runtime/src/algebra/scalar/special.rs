@@ -6,10 +6,10 @@
 //! bess_n' = -x bess_(n+1)(x)          bess_n(x) = J_n(x)/xⁿ    with the Bessel function J_n of the first kind
 //! ```
 //!
-//! Both families are smooth and even: `sinc_0 = sinc`, `bess_0 = j0`, and `j1 = x bess_1(x)`
-//! (DLMF 10.6.6, 10.51.3). Values are those of the crate `libm` and IEEE additions, multiplications and divisions in a
-//! fixed order: the same bits for single numbers and in lanes, on every machine. The compiler has its own rows for
-//! them, in `symbolic/special.rs`.
+//! Both families are smooth and even: `sinc_0 = sinc`, `bess_0 = j0`, and `j1 = x bess_1(x)` (DLMF 10.6.6,
+//! 10.51.3). Values are those of the crate `libm` and IEEE additions, multiplications and divisions in a
+//! fixed order: the same bits for single numbers and in lanes, on every machine. The compiler has its own
+//! rows for them, in `symbolic/special.rs`.
 
 use super::Scalar;
 
@@ -51,8 +51,8 @@ impl Special {
 
     /// A bound of `|f'|` where `least <= |x| <= most`.
     ///
-    /// `sinc_n` and `bess_n` are Fourier transforms of positive densities on `[-1, 1]` (DLMF 10.9.4, 10.54.1), so their slopes
-    /// are at most `f(0)`; and `|f_n'| = |x f_(n+1)| <= |x| f_(n+1)(0)`.
+    /// `sinc_n` and `bess_n` are Fourier transforms of positive densities on `[-1, 1]` (DLMF 10.9.4,
+    /// 10.54.1), so their slopes are at most `f(0)`; and `|f_n'| = |x f_(n+1)| <= |x| f_(n+1)(0)`.
     pub(super) fn steepest(self, least: f64, most: f64) -> f64 {
         match self {
             Self::Erf | Self::Erfc => {
@@ -64,7 +64,8 @@ impl Special {
         }
     }
 
-    /// A bound of the rounding error of [`Special::value`]: of the functions that oscillate, in parts of their amplitude.
+    /// A bound of the rounding error of [`Special::value`]: of the functions that oscillate, in parts of
+    /// their amplitude.
     ///
     /// Measured in `tests/runtime/special.rs`.
     pub fn rounding(self, x: f64) -> f64 {
@@ -77,8 +78,8 @@ impl Special {
     }
 }
 
-/// A family `f_n` with `f_(k-1) = 2ν f_k - x² f_(k+1)`, `ν = k` or `k + ½`: `√(π/2) J_ν(x)/x^ν` or `J_ν(x)/x^ν`
-/// (DLMF 10.6.1, 10.51.1).
+/// A family `f_n` with `f_(k-1) = 2ν f_k - x² f_(k+1)`, `ν = k` or `k + ½`: `√(π/2) J_ν(x)/x^ν` or
+/// `J_ν(x)/x^ν` (DLMF 10.6.1, 10.51.1).
 #[derive(Clone, Copy)]
 struct Family {
     /// Whether `ν = k + ½`.
@@ -111,9 +112,9 @@ impl Family {
 
     /// `f_n(x)`.
     ///
-    /// Beyond `|x| = n` the recurrence is stable upwards. Below, `J_ν` is the solution that decays with its order:
-    /// the recurrence is stable downwards, from an order where the start no longer matters, and `f_0` or `f_1` gives the
-    /// factor (W. Gautschi, SIAM Review 9 (1967) 24). Neither loses digits.
+    /// Beyond `|x| = n` the recurrence is stable upwards. Below, `J_ν` is the solution that decays with its
+    /// order: the recurrence is stable downwards, from an order where the start no longer matters, and `f_0`
+    /// or `f_1` gives the factor (W. Gautschi, SIAM Review 9 (1967) 24). Neither loses digits.
     fn member(self, n: u32, x: f64) -> f64 {
         let of = |k: u32| f64::from(self.twice(k));
         if n == 0 {

@@ -1,5 +1,5 @@
-//! Sparse matrices that a renumbering of their unknowns makes narrow: `P A = L U` in the
-//! band with the pivots of [`Factor`](super::Factor). Exact for chains (a band), rings (folded to a band), lattices and networks.
+//! Sparse matrices that a renumbering of their unknowns makes narrow: `P A = L U` in the band with the pivots
+//! of [`Factor`](super::Factor). Exact for chains (a band), rings (folded to a band), lattices and networks.
 //!
 //! G. H. Golub, C. F. Van Loan, *Matrix Computations*, section 4.3. With pivoting, `U` has as many upper
 //! diagonals as `A` has in all. Rows reach that far only after exchanges, so that a wide band is eliminated
@@ -28,8 +28,8 @@ pub struct Banded<S> {
     is_parted: bool,
     /// Where each unknown is in the band; empty for the order that it has.
     position: Vec<usize>,
-    /// Row `i` from column `i - half`, with `half` further columns that pivoting fills. `half` rows of zeros follow the last row, so that
-    /// rows at the end need no special case.
+    /// Row `i` from column `i - half`, with `half` further columns that pivoting fills. `half` rows of zeros
+    /// follow the last row, so that rows at the end need no special case.
     rows: Vec<S>,
     /// Row exchanged with row `k` before column `k` was eliminated.
     exchanges: Vec<usize>,
@@ -38,8 +38,8 @@ pub struct Banded<S> {
 }
 
 impl<S: Scalar> Banded<S> {
-    /// Room for a matrix of `n` unknowns with `half` diagonals on each side, in the order that `position` gives them;
-    /// empty for the order that they have. `None` if it has more than `most` numbers.
+    /// Room for a matrix of `n` unknowns with `half` diagonals on each side, in the order that `position`
+    /// gives them; empty for the order that they have. `None` if it has more than `most` numbers.
     pub fn new(n: usize, half: usize, position: Vec<usize>, most: usize) -> Option<Self> {
         let numbers = half.checked_mul(3)?.checked_add(1)?.checked_mul(n.checked_add(half)?)?;
         let zero = S::from_f64(0.0);
@@ -119,7 +119,8 @@ impl<S: Scalar> Banded<S> {
         }
     }
 
-    /// [`Banded::factor`] with its loops written out where the caller knows how narrow the band is: of a chain, or of a ring. Blocks do not wait for each other.
+    /// [`Banded::factor`] with its loops written out where the caller knows how narrow the band is: of a
+    /// chain, or of a ring. Blocks do not wait for each other.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn factor_in<const PARTED: bool>(&mut self, half: usize) -> Result<(), StepFailure> {
         let width = 3 * half + 1;
@@ -179,7 +180,8 @@ impl<S: Scalar> Banded<S> {
         Ok(())
     }
 
-    /// Whether the determinant is negative, after [`Banded::factor`], or that of any block where there are blocks.
+    /// Whether the determinant is negative, after [`Banded::factor`], or that of any block where there are
+    /// blocks.
     pub fn is_reversed(&self) -> bool {
         let n = self.exchanges.len();
         let block = if self.is_parted || self.half == 0 { self.half + 1 } else { n.max(1) };
@@ -285,8 +287,8 @@ mod tests {
         (*seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
     }
 
-    /// Solves with random entries at the pattern; the residual is rounding, relative to |A||x| (growth below 2^half is
-    /// never near here: 100 allows for it).
+    /// Solves with random entries at the pattern; the residual is rounding, relative to |A||x| (growth below
+    /// 2^half is never near here: 100 allows for it).
     fn reconstruct(n: usize, pairs: &[(usize, usize)]) -> usize {
         let mut seed = n as u64;
         let apart: Vec<_> = pairs.iter().copied().filter(|(a, b)| a != b).collect();
@@ -386,7 +388,7 @@ mod tests {
             matrix.add(row, column, value);
         }
         matrix.factor().unwrap();
-        // Of x = (1, 1e-30, 1): [1 + 1, 2 + 1 + 1e-30, 1 + 1].
+        // The right-hand side of x = (1, 1e-30, 1): [1 + 1, 2 + 1 + 1e-30, 1 + 1].
         let mut x = [2.0, 3.0, 2.0];
         matrix.solve(&mut x);
         assert!((x[0] - 1.0).abs() < 1e-15 && (x[1] - 1e-30).abs() < 1e-45 && (x[2] - 1.0).abs() < 1e-15);

@@ -9,7 +9,8 @@ use super::newton::{Equations, newton, solve_pair};
 use crate::algebra::scalar::{Constant, Mask, Over, Rounded, Scalar};
 use crate::error::StepFailure;
 
-/// Inputs of the equations of a block besides their unknowns: numbers and truths of the state, then those of constants.
+/// Inputs of the equations of a block besides their unknowns: numbers and truths of the state, then those of
+/// constants.
 pub type Inputs<S, K, const G: usize, const M: usize, const C: usize, const T: usize> =
     ([S; G], [<S as Scalar>::Mask; M], [K; C], [<K as Scalar>::Mask; T]);
 
@@ -23,12 +24,13 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
         x: [S; N],
     ) -> ([S; N], [[S; N]; N]);
 
-    /// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start
-    /// other than zero may come from past steps.
+    /// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower
+    /// triangle is read. `GUESS`: whether a start other than zero may come from past steps.
     ///
     /// # Errors
-    /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
-    /// iteration whose corrections do not shrink fast. Of several paths, those without a solution have NaN instead, unless `CAREFUL`.
+    /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless
+    /// `CAREFUL`, of any iteration whose corrections do not shrink fast. In lanes, paths without a
+    /// solution have NaN instead, unless `CAREFUL`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn newton<S: Over<K>, K: Constant, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         given: Inputs<S, K, G, M, C, T>,
@@ -68,7 +70,7 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
         let mut matrix = [[S::Value::from_f64(0.0); N]; N];
         for i in 0..N {
             for j in 0..N {
-                // Of a symmetric one the lower triangle is given.
+                // The lower triangle of a symmetric matrix is given.
                 let (i_given, j_given) = if SYMMETRIC && j > i { (j, i) } else { (i, j) };
                 matrix[i][j] = jacobian[i_given][j_given].value();
             }
@@ -95,7 +97,7 @@ fn solve_linear<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: [S; N]) -> R
         x[0] = b[0] / matrix[0][0];
         return Ok(x);
     }
-    // Of paths side by side, each would take it or not on account of the others.
+    // In lanes, each path would take it or not on account of the others.
     if !S::IS_BESIDE
         && let Some(x) = solve_pair::<S, N, false>(matrix, &b)
     {

@@ -6,31 +6,35 @@ use crate::algebra::scalar::{Scalar, larger};
 
 /// Corrections below this fraction of an unknown change nothing.
 pub(super) const ROUNDING: f64 = f64::EPSILON;
-/// The largest correction that may be omitted after the last one, in roundings: a third, including the error of the measured sizes.
+/// The largest correction that may be omitted after the last one, in roundings: a third, including the error
+/// of the measured sizes.
 pub(super) const UNSEEN: f64 = 0.25;
-/// The largest ratio of the next correction to the square of this one. Relative to the step, the correction after `c` is at most `ω c² / 2`, with `ω` the
-/// Lipschitz constant of `J⁻¹ J'`. From zero the first correction is the whole step, and the Kantorovich number of the start is `ω`. Up to 1/2 there is one
-/// solution near the start (P. Deuflhard, *Newton Methods for Nonlinear Problems*, section 2.1), and the number grows with the size of the step. Other
-/// starts measure the same `ω`.
+/// The largest ratio of the next correction to the square of this one. Relative to the step, the correction
+/// after `c` is at most `ω c² / 2`, with `ω` the Lipschitz constant of `J⁻¹ J'`. From zero the first
+/// correction is the whole step, and the Kantorovich number of the start is `ω`. Up to 1/2 there is one
+/// solution near the start (P. Deuflhard, *Newton Methods for Nonlinear Problems*, section 2.1), and the
+/// number grows with the size of the step. Other starts measure the same `ω`.
 pub(super) const CURVATURE: f64 = 0.25;
-/// The largest second correction, relative to the step: half of the bound from the Kantorovich number 1/2. From zero the first correction is always 1, so
-/// the second is the only measurement of `ω`. Later ones are then below 0.21 of the square of the one before (theorem 2.1 there), 0.24 in the measured
-/// sizes.
+/// The largest second correction, relative to the step: half of the bound from the Kantorovich number 1/2.
+/// From zero the first correction is always 1, so the second is the only measurement of `ω`. Later ones are
+/// then below 0.21 of the square of the one before (theorem 2.1 there), 0.24 in the measured sizes.
 pub(super) const FIRST: f64 = 0.5 * CURVATURE;
-/// The bound on the second correction from an extrapolated start, whatever the first was. Such a start may be anywhere; the bound ensures that the Jacobian
-/// is constant to `ω = 2^-9` between start and solution. It is for a stiff unknown that alternates.
+/// The bound on the second correction from an extrapolated start, whatever the first was. Such a start may be
+/// anywhere; the bound ensures that the Jacobian is constant to `ω = 2^-9` between start and solution. It is
+/// for a stiff unknown that alternates.
 const ASTRAY: f64 = CURVATURE * GUIDED * GUIDED;
 /// A first correction below this part of the step is followed by smaller ones in any case.
 pub(super) const GUIDED: f64 = 1.0 / 16.0;
 /// Corrections below twice this fraction of an unknown cannot lead to another solution, and need only halve.
 pub(super) const NEAR: f64 = 1.0 / 4096.0;
-/// The largest square of a correction that predicts the next one: that of the whole step. A correction is larger where it leaves an unknown near zero, which
-/// says nothing about the others.
+/// The largest square of a correction that predicts the next one: that of the whole step. A correction is
+/// larger where it leaves an unknown near zero, which says nothing about the others.
 pub(super) const WHOLE: f64 = 1.0;
 
-/// How large a number is against `|other|`, part by part (value, derivatives, lanes): the largest ratio, 0 for a part that vanishes; NaN if any part is.
-/// `f64::MIN_POSITIVE` is added to the divisor: a number that is nearest to another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or
-/// not. Derivatives are compared as a gradient, by the largest.
+/// How large a number is against `|other|`, part by part (value, derivatives, lanes): the largest ratio, 0
+/// for a part that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to the divisor: a number that
+/// is nearest to another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not. Derivatives
+/// are compared as a gradient, by the largest.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn relative_to<S: Scalar>(number: S, other: S) -> f64 {
     if const { S::DERIVATIVES > 0 } {
@@ -119,8 +123,8 @@ impl Convergence {
         self.curved = self.second;
     }
 
-    /// The verdict on the largest correction relative to its unknown, where that is all it takes; `None`, and nothing is noted, where it
-    /// depends on the residuals.
+    /// The verdict on the largest correction relative to its unknown, where that is all it takes; `None`, and
+    /// nothing is noted, where it depends on the residuals.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn glance(&mut self, relative: f64) -> Option<Verdict> {
         let square = relative * relative;
@@ -138,8 +142,8 @@ impl Convergence {
         Some(verdict)
     }
 
-    /// `relative`: largest correction relative to its unknown. `beyond_rounding`: the same of the unknowns whose residual
-    /// was more than its rounding; 0 if there are none.
+    /// `relative`: largest correction relative to its unknown. `beyond_rounding`: the same of the unknowns
+    /// whose residual was more than its rounding; 0 if there are none.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn judge(&mut self, relative: f64, beyond_rounding: impl FnOnce() -> f64) -> Verdict {
         if let Some(verdict) = self.glance(relative) {

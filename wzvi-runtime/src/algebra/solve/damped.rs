@@ -1,20 +1,26 @@
-//! Newton's method for steps where the fast method fails: whole corrections first, then a line search, and a report whether the
-//! result is in doubt. One driver for straight-line blocks and for sweeps, which implement [`Problem`].
+//! Newton's method for steps where the fast method fails: whole corrections first, then a line search, and a
+//! report whether the result is in doubt. One driver for straight-line blocks and for sweeps, which implement
+//! [`Problem`].
 //!
-//! Near a solution the next correction is a part of the last: with `c = J⁻¹r` at `x`, and the same matrix, `|J⁻¹r(x - c)| <= Θ |c|`. If the
-//! Kantorovich number of the start is at most 1/2, there is one solution around it, and `Θ <= 1/4` there (P. Deuflhard, *Newton Methods for
-//! Nonlinear Problems*, sections 2.1 and 5.1: a solution that is followed in parts stays the same one). The first correction must satisfy
-//! half of that bound, because it measures one point only, and later ones must halve. Otherwise the solution is reported as doubtful.
+//! Near a solution the next correction is a part of the last: with `c = J⁻¹r` at `x`, and the same matrix,
+//! `|J⁻¹r(x - c)| <= Θ |c|`. If the Kantorovich number of the start is at most 1/2, there is one solution
+//! around it, and `Θ <= 1/4` there (P. Deuflhard, *Newton Methods for Nonlinear Problems*, sections 2.1 and
+//! 5.1: a solution that is followed in parts stays the same one). The first correction must satisfy half of
+//! that bound, because it measures one point only, and later ones must halve. Otherwise the solution is
+//! reported as doubtful.
 //!
-//! Whole corrections are tried first: they often converge anyway, and along the curved valley of a stiff force faster than any others.
-//! Then each is shortened until the residual at its end is smaller, `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`: the natural monotonicity test,
-//! which no scaling of equations or unknowns changes (P. Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2011, section 3.3).
+//! Whole corrections are tried first: they often converge anyway, and along the curved valley of a stiff
+//! force faster than any others. Then each is shortened until the residual at its end is smaller,
+//! `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`: the natural monotonicity test, which no scaling of equations or
+//! unknowns changes (P. Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2011, section 3.3).
 //!
-//! Second derivatives of `H` may be infinite on one side, as those of `max(d, 0)^1.5` at `d = 0`. The slope of the equations beyond such a contact is unlike
-//! that before it, so that no test on norms holds, and a push along a chain of contacts reaches one unknown more in each correction. Entries of the
-//! Jacobian that are not finite are left out: for these the correction is that of the fixed point, which needs none. A third attempt goes along each
-//! correction as far as the next one does not point back: to about the zero of `s(λ) = Σ_k c_k (J⁻¹r(x - λc))_k / (|x_k| + |c_k|)²`, which is
-//! `(1 - λ) s(0)` for linear equations and needs no units. Equations that are the gradient of a convex function have one solution, and `s` has about
+//! Second derivatives of `H` may be infinite on one side, as those of `max(d, 0)^1.5` at `d = 0`. The slope
+//! of the equations beyond such a contact is unlike that before it, so that no test on norms holds, and a
+//! push along a chain of contacts reaches one unknown more in each correction. Entries of the Jacobian that
+//! are not finite are left out: for these the correction is that of the fixed point, which needs none. A
+//! third attempt goes along each correction as far as the next one does not point back: to about the zero of
+//! `s(λ) = Σ_k c_k (J⁻¹r(x - λc))_k / (|x_k| + |c_k|)²`, which is `(1 - λ) s(0)` for linear equations and
+//! needs no units. Equations that are the gradient of a convex function have one solution, and `s` has about
 //! the sign of the slope of that function.
 
 use super::convergence::{Convergence, Verdict, relative_to};
@@ -38,19 +44,20 @@ const OVERSHOT: f64 = 0.5;
 const NEAR_ZERO: f64 = 0.3;
 /// More points than it takes to find that length.
 const MOST_POINTS: u32 = 40;
-/// Directed corrections after the last one that reached an unknown which none had moved before. A push along a chain reaches one more in each, and 20 to
-/// 25 more finish chains of 2 to 100 beads.
+/// Directed corrections after the last one that reached an unknown which none had moved before. A push along
+/// a chain reaches one more in each, and 20 to 25 more finish chains of 2 to 100 beads.
 const MOST_WITHOUT_CONTACT: u32 = 32;
 /// The second correction of a start below this fraction of the first leaves no doubt.
 const FIRST_CONTRACTION: f64 = super::convergence::FIRST;
 /// Nor do later ones below this fraction of the one before.
 const SAFE_CONTRACTION: f64 = 0.5;
-/// What is left of the way back from the end of the iteration, with the Jacobian there, at most: `J_1⁻¹ r_0` for `d = x_0 - x_1`. From a start of the
-/// Kantorovich number `ω |c| = 1/4`, of which an eighth is left, `ω |d| <= 1 - √(1/2)` and `|J_1⁻¹ r_0 - d| <= ω |d|² / (2 (1 - ω |d|))` (lemmas 2.1 and
-/// 2.2 there). The end of another branch, where one contraction was small by accident, has a Jacobian of its own.
+/// What is left of the way back from the end of the iteration, with the Jacobian there, at most: `J_1⁻¹ r_0`
+/// for `d = x_0 - x_1`. From a start of the Kantorovich number `ω |c| = 1/4`, of which an eighth is left,
+/// `ω |d| <= 1 - √(1/2)` and `|J_1⁻¹ r_0 - d| <= ω |d|² / (2 (1 - ω |d|))` (lemmas 2.1 and 2.2 there). The
+/// end of another branch, where one contraction was small by accident, has a Jacobian of its own.
 const RETURN: f64 = 0.5 * (std::f64::consts::SQRT_2 - 1.0);
-/// The Jacobian counts as close to the identity if a correction differs from that of the identity by at most this fraction of the longer one: half
-/// of the difference that reverses it.
+/// The Jacobian counts as close to the identity if a correction differs from that of the identity by at most
+/// this fraction of the longer one: half of the difference that reverses it.
 const ABOUT_IDENTITY: f64 = 0.5;
 
 /// The equations `r(x) = 0` of one step.
@@ -63,7 +70,8 @@ pub(crate) trait Problem {
     /// `r(x)`
     fn residual(&mut self, x: &Self::Vector, into: &mut Self::Vector);
 
-    /// Makes the factors of the Jacobian where the residual was evaluated last, without its entries that are not finite; returns the number of these.
+    /// Makes the factors of the Jacobian where the residual was evaluated last, without its entries that are
+    /// not finite; returns the number of these.
     ///
     /// # Errors
     /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; there are no factors then.
@@ -195,7 +203,8 @@ impl<P: Problem> Search<'_, P> {
                 largest(correction.as_ref(), trial.as_ref(), are_settled.as_ref())
             };
             let mut verdict = convergence.judge(size, &mut beyond);
-            // Near contacts rounding of the equations is far above that of the unknowns, and corrections stop shrinking early.
+            // Near contacts rounding of the equations is far above that of the unknowns, and corrections stop
+            // shrinking early.
             if self.lengths == Lengths::Directed && since_contact > 1 && beyond() == 0.0 {
                 verdict = Verdict::Converged;
             }
@@ -250,7 +259,8 @@ impl<P: Problem> Search<'_, P> {
     /// Makes factors.
     ///
     /// # Errors
-    /// The errors of [`Problem::factor`]; [`StepFailure::NonFinite`] where entries are left out, which only directed corrections allow for.
+    /// The errors of [`Problem::factor`]; [`StepFailure::NonFinite`] where entries are left out, which only
+    /// directed corrections allow for.
     fn factor(&mut self) -> Result<(), StepFailure> {
         let left_out = self.problem.factor()?;
         self.has_contacts |= left_out > 0;
@@ -267,8 +277,8 @@ impl<P: Problem> Search<'_, P> {
         has_reached
     }
 
-    /// Moves `x` along its correction to where there are factors and, if corrections are shortened, the residual is
-    /// smaller; an error if that is nowhere.
+    /// Moves `x` along its correction to where there are factors and, if corrections are shortened, the
+    /// residual is smaller; an error if that is nowhere.
     fn descend(&mut self, safe: f64, lost: StepFailure) -> Result<Descent, StepFailure> {
         let shortens = self.lengths == Lengths::Monotone;
         let mut length = 1.0;
@@ -294,7 +304,8 @@ impl<P: Problem> Search<'_, P> {
         }
     }
 
-    /// Moves `x` along its correction to where the next one does not point back; returns whether that is its end.
+    /// Moves `x` along its correction to where the next one does not point back; returns whether that is its
+    /// end.
     ///
     /// # Errors
     /// `lost` where that is nowhere, and those of the linear equations.
@@ -351,8 +362,8 @@ impl<P: Problem> Search<'_, P> {
         Ok(())
     }
 
-    /// Whether the Jacobian at the end leads back to the start as far as one that hardly changes on the way does; unknowns whose equations are at rounding
-    /// at the start do not count.
+    /// Whether the Jacobian at the end leads back to the start as far as one that hardly changes on the way
+    /// does; unknowns whose equations are at rounding at the start do not count.
     fn returns(&mut self, start: &P::Vector) -> bool {
         self.room.next.clone_from(&self.room.first);
         if self.problem.correct(&mut self.room.next).is_err() {
@@ -371,8 +382,9 @@ impl<P: Problem> Search<'_, P> {
         go(x.as_ref(), correction.as_ref(), length, trial.as_mut());
     }
 
-    /// Whether the next correction is at most the fraction `to` of this one, each in units of its unknown. Unknowns whose
-    /// equations at the trial are at rounding, which no step makes smaller, do not count. False for NaN.
+    /// Whether the next correction is at most the fraction `to` of this one, each in units of its unknown.
+    /// Unknowns whose equations at the trial are at rounding, which no step makes smaller, do not count.
+    /// False for NaN.
     fn shrinks(&mut self, to: f64) -> bool {
         let Room { x, correction, next, .. } = &*self.room;
         shrinks(x.as_ref(), correction.as_ref(), next.as_ref(), to, NONE) || {
@@ -390,7 +402,8 @@ struct Descent {
     contracts: bool,
 }
 
-// The functions from here on know numbers and no system, and are compiled once. Unknowns whose equations are settled do not count.
+// The functions from here on know numbers and no system, and are compiled once. Unknowns whose equations are
+// settled do not count.
 
 /// No equation is settled: all unknowns count.
 const NONE: &[bool] = &[];
@@ -419,7 +432,8 @@ fn shrinks<S: Scalar>(x: &[S], correction: &[S], next: &[S], to: f64, are_settle
     left <= to * own
 }
 
-/// Whether `back`, which the Jacobian at `to` takes for the way from there to `from`, is that way to the fraction [`RETURN`] of it.
+/// Whether `back`, which the Jacobian at `to` takes for the way from there to `from`, is that way to the
+/// fraction [`RETURN`] of it.
 fn leads_back<S: Scalar>(from: &[S], to: &[S], back: &[S], are_settled: &[bool]) -> bool {
     let (mut left, mut way) = (0.0, 0.0);
     for k in unsettled(from.len(), are_settled) {
@@ -431,7 +445,8 @@ fn leads_back<S: Scalar>(from: &[S], to: &[S], back: &[S], are_settled: &[bool])
     left <= RETURN * way
 }
 
-/// How far the correction `next` goes along `correction` at `x`, each in units of its unknown. NaN where one is not finite.
+/// How far the correction `next` goes along `correction` at `x`, each in units of its unknown. NaN where one
+/// is not finite.
 fn pull<S: Scalar, V: AsRef<[S]>>(x: &V, correction: &V, next: &V) -> f64 {
     let mut sum = 0.0;
     for ((x, c), next) in x.as_ref().iter().zip(correction.as_ref()).zip(next.as_ref()) {
@@ -470,7 +485,8 @@ fn mirror<S: Scalar, const N: usize>(matrix: &mut [[S; N]; N]) {
     }
 }
 
-/// Replaces the rows and columns of unknowns with entries that are not finite by those of the identity; returns the number of these entries.
+/// Replaces the rows and columns of unknowns with entries that are not finite by those of the identity;
+/// returns the number of these entries.
 fn leave_out<S: Scalar, const N: usize>(matrix: &mut [[S; N]; N]) -> usize {
     let is_finite = |entry: &S| entry.magnitude().is_finite();
     let finite = matrix.map(|row| row.iter().all(is_finite));
@@ -610,7 +626,8 @@ mod tests {
         assert!((x * 1e200 - 2.8).abs() < 1e-14 && y * 1e-200 == 2.0, "{x} {y}");
     }
 
-    /// Twelve contacts of the force √d that just touch, of which the first is pushed: `x_i = push_i - a (s_i - s_{i-1})`, `s_i = √max(x_i - x_{i+1}, 0)`.
+    /// Twelve contacts of the force √d that just touch, of which the first is pushed:
+    /// `x_i = push_i - a (s_i - s_{i-1})`, `s_i = √max(x_i - x_{i+1}, 0)`.
     #[test]
     fn a_push_reaches_all_contacts() {
         const N: usize = 12;

@@ -7,8 +7,8 @@ use super::lanes::{self, decides_by_lane};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::error::{ConfigError, StepFailure};
 
-/// A pivot below this many roundings of the terms subtracted from it makes the matrix singular to working precision. No other entry has the same unit,
-/// because the user may choose the unit of each row and column.
+/// A pivot below this many roundings of the terms subtracted from it makes the matrix singular to working
+/// precision. No other entry has the same unit, because the user may choose the unit of each row and column.
 pub(super) const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 
 /// Above this size `c` drowns the 1 of `1 - c`: the increments that follow have lost all digits of the state.
@@ -17,8 +17,9 @@ pub(super) const LARGEST_PIVOT: f64 = 1.0 / f64::EPSILON;
 /// The pivot, which is the matrix `1 - c` of one unknown, to divide by.
 ///
 /// # Errors
-/// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does; [`StepFailure::NonFinite`] where it is not finite.
-/// Of several paths, those where it is so have NaN instead.
+/// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does;
+/// [`StepFailure::NonFinite`] where it is not finite. In lanes, such paths have NaN
+/// instead.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn usable<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     if const { S::DERIVATIVES > 0 } {
@@ -35,8 +36,8 @@ pub fn usable<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot) } else { Err(unusable(size)) }
 }
 
-/// The reciprocal of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
-/// 1 drowns in it.
+/// The reciprocal of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so
+/// large that the 1 drowns in it.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn reciprocal_above_one<S: Scalar>(pivot: S) -> S {
     let is_usable = pivot.less(S::from_f64(LARGEST_PIVOT));
@@ -51,7 +52,7 @@ fn unusable(pivot: f64) -> StepFailure {
 /// `A⁻¹ b` for a matrix given by rows.
 ///
 /// # Errors
-/// The errors of [`Factor::new`]. Of several paths, those without a solution have NaN instead.
+/// The errors of [`Factor::new`]. In lanes, paths without a solution have NaN instead.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
     if const { S::DERIVATIVES > 0 } {
@@ -107,9 +108,11 @@ fn singular(pivot: f64, scale: f64) -> StepFailure {
     }
 }
 
-/// `P A = L U` with pivots that do not depend on the units of rows and columns. Only products of the same unit are compared: row `i` takes the place
-/// of row `k` where `|a_ik a_ki| > |a_kk a_ii|`; of several such rows the one with the largest product does. Elimination then subtracts no more than
-/// the entries that it changes, for any two rows. Scaling rows and columns by powers of two changes no bit of a solution but its scale.
+/// `P A = L U` with pivots that do not depend on the units of rows and columns. Only products of the same
+/// unit are compared: row `i` takes the place of row `k` where `|a_ik a_ki| > |a_kk a_ii|`; of several such
+/// rows the one with the largest product does. Elimination then subtracts no more than the entries that it
+/// changes, for any two rows. Scaling rows and columns by powers of two changes no bit of a solution but its
+/// scale.
 #[derive(Clone, Copy, Debug)]
 pub struct Factor<S, const N: usize> {
     /// `L` below the diagonal (its unit diagonal is not stored), `U` above, reciprocals of the pivots on it.
@@ -148,7 +151,8 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
     /// Factors `matrix`, given by rows.
     ///
     /// # Errors
-    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the terms subtracted from it; [`StepFailure::NonFinite`].
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the terms subtracted from it;
+    /// [`StepFailure::NonFinite`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(matrix: [[S; N]; N]) -> Result<Self, StepFailure> {
         let mut lu = matrix;

@@ -12,9 +12,11 @@ pub enum Doubt {
     None,
     /// The Jacobian at the solution does not lead back to the start.
     OneWay,
-    /// Corrections reached unknowns one after the other, as along a chain of contacts that just touch: none can be expected to contract.
+    /// Corrections reached unknowns one after the other, as along a chain of contacts that just touch: none
+    /// can be expected to contract.
     Unbounded,
-    /// The first corrections did not shrink as they do near a solution: there may be another one nearer to the start.
+    /// The first corrections did not shrink as they do near a solution: there may be another one nearer to
+    /// the start.
     Straying,
 }
 
@@ -25,8 +27,8 @@ pub struct Effort {
     pub iterations: u32,
     /// Only a careful solution reports this; the fast method gives up.
     pub doubt: Doubt,
-    /// Whether the Jacobian at the start was not about the identity: of a careful solution. From zero there may be
-    /// another solution along the step, then.
+    /// Whether the Jacobian at the start was not about the identity: of a careful solution. From zero there
+    /// may be another solution along the step, then.
     pub is_far: bool,
     /// Whether the Jacobian at the solution has a negative determinant, if the solution was a careful one.
     pub is_reversed: bool,
@@ -43,8 +45,8 @@ impl Effort {
         Self { iterations, doubt: Doubt::None, is_far: false, is_reversed: false, is_indefinite: false }
     }
 
-    /// What `1 / pivot` of an unknown that was isolated in front of the iteration adds: the determinant of the whole
-    /// Jacobian is that of the iterated part times the pivot.
+    /// What `1 / pivot` of an unknown that was isolated in front of the iteration adds: the determinant of
+    /// the whole Jacobian is that of the iterated part times the pivot.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn isolated<S: Scalar, const CAREFUL: bool>(inverse: S) -> Self {
         Self { is_reversed: CAREFUL && inverse.less(S::from_f64(0.0)).all(), ..Self::fast(0) }

@@ -22,7 +22,8 @@ impl<S: Scalar, const N: usize> Default for Extrapolation<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Extrapolation<S, N> {
-    /// The starting value: zero, constant, linear or quadratic, by the number of known steps; zero unless `USED`.
+    /// The starting value: zero, constant, linear or quadratic, by the number of known steps; zero unless
+    /// `USED`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn guess<const USED: bool>(&self) -> [S; N] {
         if !USED {
@@ -53,7 +54,7 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
         }
     }
 
-    /// The same of the paths beside each other that have taken a step; those that have not remember what they did.
+    /// [`Extrapolation::record`] in the lanes that have taken a step; the other lanes keep their past.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn record_where<const USED: bool>(&mut self, taken: S::Mask, solution: [S; N]) {
         if taken.all() {

@@ -11,7 +11,7 @@ use crate::error::StepFailure;
 #[derive(Clone, Debug)]
 pub struct FactorsByLane<const L: usize, const N: usize> {
     lu: [[Lanes<L>; N]; N],
-    /// That of all lanes, or of the first.
+    /// The order of the rows in all lanes, or in the first.
     order: [usize; N],
     /// By place and row, the lanes that have this row there; only where the orders differ.
     chosen: Option<Box<[[LaneMask<L>; N]; N]>>,
@@ -45,7 +45,7 @@ impl<const L: usize, const N: usize> FactorsByLane<L, N> {
         Ok(Self::gather(from_fn(|lane| &factors[lane])))
     }
 
-    /// Those of all lanes.
+    /// The factors of all lanes.
     pub fn gather(lanes: [&Factor<f64, N>; L]) -> Self {
         let parts = lanes.map(Factor::parts);
         let order = parts.first().map_or([0; N], |(_, order)| **order);
@@ -63,7 +63,8 @@ impl<const L: usize, const N: usize> FactorsByLane<L, N> {
 mod tests {
     use super::*;
 
-    /// Matrices whose pivots are in different rows, solved beside each other with the bits that each has alone.
+    /// Matrices whose pivots are in different rows, solved beside each other with the bits that each has
+    /// alone.
     #[test]
     fn every_lane_has_its_own_order() {
         let matrices = [

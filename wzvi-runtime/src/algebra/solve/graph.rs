@@ -1,14 +1,16 @@
-//! The graph of a sparse matrix (unknowns that share an equation), and two orders of the unknowns: one that makes the matrix narrow, and one in
-//! which elimination fills few entries.
+//! The graph of a sparse matrix (unknowns that share an equation), and two orders of the unknowns: one that
+//! makes the matrix narrow, and one in which elimination fills few entries.
 //!
-//! E. Cuthill, J. McKee, "Reducing the bandwidth of sparse symmetric matrices", ACM 1969. A. George, "Nested dissection of a regular finite
-//! element mesh", SIAM J. Numer. Anal. 10, 1973, with the separators of A. George, J. W. H. Liu, "An automatic nested dissection algorithm
-//! for irregular finite element problems", SIAM J. Numer. Anal. 15, 1978: the middle of a level structure.
+//! E. Cuthill, J. McKee, "Reducing the bandwidth of sparse symmetric matrices", ACM 1969. A. George, "Nested
+//! dissection of a regular finite element mesh", SIAM J. Numer. Anal. 10, 1973, with the separators of A.
+//! George, J. W. H. Liu, "An automatic nested dissection algorithm for irregular finite element problems",
+//! SIAM J. Numer. Anal. 15, 1978: the middle of a level structure.
 
 /// Parts of at most so many unknowns are not dissected: all entries among them are few.
 const LEAF: usize = 16;
 
-/// Where each of `n` lists starts that lie one after the other, and where the last one ends, from the list that each entry belongs to.
+/// Where each of `n` lists starts that lie one after the other, and where the last one ends, from the list
+/// that each entry belongs to.
 pub(super) fn starts(n: usize, entries: impl Iterator<Item = usize>) -> Vec<usize> {
     let mut starts = vec![0; n + 1];
     entries.for_each(|list| starts[list + 1] += 1);
@@ -98,8 +100,8 @@ fn farthest(neighbours: &Neighbours, start: usize, met: &mut [usize], sweep: usi
     last
 }
 
-/// The position of each unknown in an order in which elimination fills few entries. The separator of the two halves comes last; each half is ordered
-/// in the same way.
+/// The position of each unknown in an order in which elimination fills few entries. The separator of the two
+/// halves comes last; each half is ordered in the same way.
 pub(super) fn nested_dissection(n: usize, neighbours: &Neighbours) -> Vec<usize> {
     let mut dissection = Dissection { neighbours, part: vec![0; n], level: vec![0; n], parts: 0 };
     let mut position = vec![0; n];

@@ -1,8 +1,8 @@
 //! GMRES: solves linear equations by products with their matrix.
 //!
-//! Y. Saad, M. H. Schultz, "GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems",
-//! SIAM J. Sci. Stat. Comput. 7, 1986; restarted, with a preconditioner from the right, so that the residual that it watches is
-//! the true one.
+//! Y. Saad, M. H. Schultz, "GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear
+//! systems", SIAM J. Sci. Stat. Comput. 7, 1986; restarted, with a preconditioner from the right, so that the
+//! residual that it watches is the true one.
 
 use crate::algebra::scalar::{Scalar, larger};
 use crate::error::StepFailure;
@@ -65,7 +65,8 @@ impl<S: Scalar> Krylov<S> {
         }
     }
 
-    /// Replaces `b` by `A⁻¹ b` up to a residual of `tolerance` times its norm, and returns the number of products. On an error `b` is unchanged.
+    /// Replaces `b` by `A⁻¹ b` up to a residual of `tolerance` times its norm, and returns the number of
+    /// products. On an error `b` is unchanged.
     ///
     /// # Errors
     /// [`StepFailure::NotConverged`] with the number of products and the relative residual that is left,
@@ -81,7 +82,8 @@ impl<S: Scalar> Krylov<S> {
         if largest == 0.0 {
             return Ok(0);
         }
-        // Norms are sums of squares: exactly the same in any unit, they neither over- nor underflow in this one.
+        // Norms are sums of squares: exactly the same in any unit, they neither over- nor underflow in this
+        // one.
         let unit = power_of_two(largest);
         b.iter_mut().for_each(|b| *b = *b / unit);
         let solved = self.solve_scaled(b, tolerance, operator);
@@ -107,7 +109,8 @@ impl<S: Scalar> Krylov<S> {
             let dimension = self.cycle(residual, enough, operator);
             products += dimension as u32;
             self.combine(dimension, operator.precondition);
-            // The residual of the recurrence is the true one but for rounding: where it is small enough, so is that.
+            // The residual of the recurrence is the true one but for rounding: where it is small enough, so
+            // is that.
             if self.projection_residual(dimension) <= enough {
                 b.copy_from_slice(&self.solution);
                 return Ok(products);

@@ -1,8 +1,9 @@
 //! Newton's method and linear systems for several trajectories at once.
 //!
-//! Each lane performs the operations that it would perform alone: it has its own verdict after each iteration, keeps its
-//! bits once it has converged, and has its own pivots. A lane whose step has no solution, or none that the fast method
-//! finds, gets NaN, which marks it at the end of the step; the caller then takes its step alone.
+//! Each lane performs the operations that it would perform alone: it has its own verdict after each
+//! iteration, keeps its bits once it has converged, and has its own pivots. A lane whose step has no
+//! solution, or none that the fast method finds, gets NaN, which marks it at the end of the step; the caller
+//! then takes its step alone.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
 use super::convergence::{
@@ -35,7 +36,8 @@ fn exceeds<S: Scalar>(a: S, b: S) -> S::Mask {
 #[derive(Clone, Copy)]
 struct Glances<S: Scalar> {
     curved: S,
-    /// Infinite where a lane is done: numbers stay in vector registers from iteration to iteration where truths do not.
+    /// Infinite where a lane is done: numbers stay in vector registers from iteration to iteration where
+    /// truths do not.
     enough: S,
     iterations: u32,
     is_guess: bool,
@@ -52,11 +54,12 @@ impl<S: Scalar> Glances<S> {
         }
     }
 
-    /// Notes the verdicts where they take no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
+    /// Notes the verdicts where they take no more than the corrections; `false`, and nothing is noted, where
+    /// a lane's depends on its residuals.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take(&mut self, relative: S) -> bool {
         let square = relative * relative;
-        // Of a lane that is done, too, unless what follows is not a number.
+        // A lane that is done stays so, unless the next correction is not a number.
         let done = (square * relative).less_equal(self.enough);
         let is_enough = (done | relative.less(self.curved)).all();
         if is_enough {
@@ -69,8 +72,8 @@ impl<S: Scalar> Glances<S> {
         is_enough
     }
 
-    /// Quadratic convergence from corrections of this size, with their squares, of lanes that are not done. The squares are finite: no
-    /// difference is smaller than a rounding of what it is taken from.
+    /// Quadratic convergence from corrections of this size, with their squares, of lanes that are not done.
+    /// The squares are finite: no difference is smaller than a rounding of what it is taken from.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn expect(&mut self, done: S::Mask, square: S) {
         let whole = S::from_f64(WHOLE);
@@ -100,8 +103,8 @@ impl<S: Scalar> Glances<S> {
 
 /// `newton::newton`, by lane.
 ///
-/// The iteration ends: relative to the unknown, the second correction of a lane is at most an eighth, and each later one at most half of the one
-/// before, or the lane goes astray; 2^-52 is the last.
+/// The iteration ends: relative to the unknown, the second correction of a lane is at most an eighth, and
+/// each later one at most half of the one before, or the lane goes astray; 2^-52 is the last.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn iterate<S: Scalar, const N: usize>(
     start: [S; N],
@@ -138,8 +141,8 @@ struct Path {
     is_lost: bool,
 }
 
-/// The iteration from `x` on, where a lane needs a pivot or a look at its residuals. A call by value, and the last thing that the caller does:
-/// its loop stays in vector registers.
+/// The iteration from `x` on, where a lane needs a pivot or a look at its residuals. A call by value, and the
+/// last thing that the caller does: its loop stays in vector registers.
 #[cold]
 #[inline(never)]
 fn resumed<S: Scalar, const N: usize>(
@@ -201,7 +204,8 @@ fn uprightness<S: Scalar, const N: usize>(jacobian: &[[S; N]; N], is_symmetric: 
     if N == 1 || (N == 2 && is_symmetric) { jacobian[0][0] } else { S::from_f64(1.0) }
 }
 
-/// With an infinite slope the correction is zero, and a determinant far from that of an empty step belongs to another solution.
+/// With an infinite slope the correction is zero, and a determinant far from that of an empty step belongs to
+/// another solution.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn accepted<S: Scalar, const N: usize>(mut x: [S; N], level: S, iterations: u32) -> ([S; N], Effort) {
     if N == 1 {
@@ -247,7 +251,8 @@ fn of_pair<S: Scalar, const N: usize>(
     (solution, is_safe)
 }
 
-/// `A⁻¹ b` as the generic solvers have it: Cramer's rule for two unknowns where it is safe, else by elimination.
+/// `A⁻¹ b` as the generic solvers have it: Cramer's rule for two unknowns where it is safe, else by
+/// elimination.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn correction<S: Scalar, const N: usize>(
     matrix: &[[S; N]; N],
@@ -281,8 +286,8 @@ fn rarely<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: &[S; N], is_symmet
     if is_symmetric { symmetric(matrix, b) } else { general::<S, N, true>(matrix, b) }
 }
 
-/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection. `UPRIGHT`: of a positive
-/// determinant, else NaN.
+/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by
+/// selection. `UPRIGHT`: of a positive determinant, else NaN.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn general<S: Scalar, const N: usize, const UPRIGHT: bool>(
     matrix: &[[S; N]; N],

@@ -1,23 +1,26 @@
 //! Newton's method, run until another iteration could change nothing but rounding.
 //!
 //! The unknowns are increments of the state, so that their digits are not lost in it. With `e_k` the largest
-//! correction relative to its unknown, the iteration ends when `e_k` is at rounding level, when quadratic convergence
-//! predicts that the next correction, `e_k (e_k / e_{k-1})²`, is below it, or when the corrections stop shrinking because
-//! they are rounding of the residual (E. Hairer, R. I. McLachlan, A. Razakarivony, "Achieving Brouwer's law with implicit
-//! Runge-Kutta methods", BIT 48, 2008).
+//! correction relative to its unknown, the iteration ends when `e_k` is at rounding level, when quadratic
+//! convergence predicts that the next correction, `e_k (e_k / e_{k-1})²`, is below it, or when the
+//! corrections stop shrinking because they are rounding of the residual (E. Hairer, R. I. McLachlan, A.
+//! Razakarivony, "Achieving Brouwer's law with implicit Runge-Kutta methods", BIT 48, 2008).
 //!
-//! One criterion decides the last case: a residual is zero if it is below the rounding of its own terms, which is computed
-//! by evaluating the same equations on numbers with error bounds ([`Rounded`]). That depends on no unit, compares no
-//! unknown with another, and is done only where corrections do not shrink any more. Unknowns whose equations are at
-//! rounding level do not count in the contraction of the others.
+//! One criterion decides the last case: a residual is zero if it is below the rounding of its own terms,
+//! which is computed by evaluating the same equations on numbers with error bounds ([`Rounded`]). That
+//! depends on no unit, compares no unknown with another, and is done only where corrections do not shrink any
+//! more. Unknowns whose equations are at rounding level do not count in the contraction of the others.
 //!
-//! This is the fast method of nearly every step. It has no damping, and gives up as soon as the corrections do not shrink as
-//! they do near a solution, or where the Jacobian shows that the solution is not the one that continues the state. Then the step is
-//! solved again with `CAREFUL`, which is [`damped`](super::damped). From zero the first correction is the whole step and proves nothing; the
-//! second must be at most an eighth of it. An extrapolated start may be anywhere: its second correction must be at most a thousandth of the step.
+//! This is the fast method of nearly every step. It has no damping, and gives up as soon as the corrections
+//! do not shrink as they do near a solution, or where the Jacobian shows that the solution is not the one
+//! that continues the state. Then the step is solved again with `CAREFUL`, which is
+//! [`damped`](super::damped). From zero the first correction is the whole step and proves nothing; the second
+//! must be at most an eighth of it. An extrapolated start may be anywhere: its second correction must be at
+//! most a thousandth of the step.
 //!
-//! The Jacobian of an empty step is the identity, whatever the units are, and it is singular where two branches of solutions meet. On the branch
-//! that continues the state its determinant is positive, and it is definite where it is symmetric. For one unknown it must be above one half.
+//! The Jacobian of an empty step is the identity, whatever the units are, and it is singular where two
+//! branches of solutions meet. On the branch that continues the state its determinant is positive, and it is
+//! definite where it is symmetric. For one unknown it must be above one half.
 
 use super::convergence::{Convergence, Verdict, nearly_relative, relative_to};
 use super::damped::{Dense, Room, damped};
@@ -27,7 +30,8 @@ use super::lanes::{self, decides_by_lane};
 use crate::algebra::scalar::{Mask, Rounded, Scalar, larger};
 use crate::error::StepFailure;
 
-/// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
+/// A determinant above this fraction of its two products has lost three digits at most, which Newton's method
+/// makes up.
 pub(super) const SAFE_DETERMINANT: f64 = 1e-3;
 
 /// The equations `r(x) = 0` of one step.
@@ -79,12 +83,13 @@ fn relatives<S: Scalar, const N: usize>(correction: &[S; N], unknowns: &[S; N]) 
     std::array::from_fn(|i| relative_to(correction[i], unknowns[i]))
 }
 
-/// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
-/// than zero may come from past steps.
+/// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle
+/// is read. `GUESS`: whether a start other than zero may come from past steps.
 ///
 /// # Errors
-/// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
-/// iteration whose corrections do not shrink fast. Of several paths, those without a solution have NaN instead, unless `CAREFUL`.
+/// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`,
+/// of any iteration whose corrections do not shrink fast. In lanes, paths without a solution have NaN
+/// instead, unless `CAREFUL`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn newton<
     S: Scalar,
@@ -133,8 +138,8 @@ pub(crate) fn newton<
     Ok(Effort::fast(iterations))
 }
 
-/// The first iteration from zero for few unknowns: it has no predecessor, and its correction is the whole solution so far.
-/// `false`, with nothing done, where the general iteration is needed.
+/// The first iteration from zero for few unknowns: it has no predecessor, and its correction is the whole
+/// solution so far. `false`, with nothing done, where the general iteration is needed.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn begun<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     x: &mut [S; N],
@@ -152,8 +157,8 @@ fn begun<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     is_first
 }
 
-/// The iteration from `x` on, where it needs a pivot or the residuals. A call by value at the end of the caller, so that nothing in the caller's
-/// loop must leave its register.
+/// The iteration from `x` on, where it needs a pivot or the residuals. A call by value at the end of the
+/// caller, so that nothing in the caller's loop must leave its register.
 #[cold]
 #[inline(never)]
 fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
@@ -185,7 +190,8 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     }
 }
 
-/// `x - c`, and approximately the largest component of `c` relative to it. NaN of an unknown may be missing in the latter; no step returns it.
+/// `x - c`, and approximately the largest component of `c` relative to it. NaN of an unknown may be missing
+/// in the latter; no step returns it.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> ([S; N], f64) {
     let (mut end, mut largest) = (*x, 0.0_f64);
@@ -200,8 +206,8 @@ fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> 
 /// The smallest Jacobian of one unknown: half of that of an empty step.
 pub(super) const UPRIGHT: f64 = 0.5;
 
-/// Whether the solution is the one that continues the state, as far as the Jacobian shows. For more than one unknown each correction has tested it, except
-/// that a symmetric pair with positive determinant is definite.
+/// Whether the solution is the one that continues the state, as far as the Jacobian shows. For more than one
+/// unknown each correction has tested it, except that a symmetric pair with positive determinant is definite.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn is_upright<S: Scalar, const N: usize, const SYMMETRIC: bool>(jacobian: &[[S; N]; N]) -> bool {
     match N {
@@ -231,8 +237,8 @@ fn turned(is_flat: bool) -> StepFailure {
     if is_flat { astray(0, f64::INFINITY) } else { StepFailure::NonFinite }
 }
 
-/// A slope of zero is the cause of the infinity that follows from it. Numbers, not the matrix: what has its address in a
-/// function is kept in memory in every iteration.
+/// A slope of zero is the cause of the infinity that follows from it. Numbers, not the matrix: what has its
+/// address in a function is kept in memory in every iteration.
 #[cold]
 fn explain<const N: usize>(iterations: u32, correction: f64, pivot: f64) -> StepFailure {
     if N == 1 && pivot < f64::EPSILON {
@@ -255,7 +261,7 @@ fn corrected<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     }
 }
 
-/// The same with pivots.
+/// Newton's correction by a factorisation with pivots.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn pivoted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     jacobian: [[S; N]; N],
@@ -264,8 +270,8 @@ fn pivoted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     if SYMMETRIC { factored_symmetric(jacobian, residual) } else { factored(jacobian, residual) }
 }
 
-/// Two unknowns by Cramer's rule; `None` for another number of them, and where the determinant is negative or cancels so far that
-/// pivoting is worth its price.
+/// Two unknowns by Cramer's rule; `None` for another number of them, and where the determinant is negative or
+/// cancels so far that pivoting is worth its price.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn solve_pair<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     matrix: &[[S; N]; N],
@@ -397,7 +403,8 @@ mod tests {
         assert_eq!((x, y), (1e12, 1e-12));
     }
 
-    /// `x - 1 + k (x - 1)²`: how far away a start is does not matter, how much the slope changes on the way from there does.
+    /// `x - 1 + k (x - 1)²`: how far away a start is does not matter, how much the slope changes on the way
+    /// from there does.
     #[test]
     fn a_start_is_judged_by_the_curvature_on_its_way() {
         let equation =
@@ -408,8 +415,9 @@ mod tests {
         assert!(matches!(outcome, Err(StepFailure::NotConverged { iterations: 2, .. })), "{outcome:?}");
     }
 
-    /// `x = c + x²` from zero: there is no solution where `4c > 1`. The one with the minus sign is connected with `c = 0`; it is taken the short
-    /// way where the second correction is at most an eighth and each later one a quarter of the square of the last, and with care nearer to the fold.
+    /// `x = c + x²` from zero: there is no solution where `4c > 1`. The one with the minus sign is connected
+    /// with `c = 0`; it is taken the short way where the second correction is at most an eighth and each
+    /// later one a quarter of the square of the last, and with care nearer to the fold.
     #[test]
     fn nothing_extrapolated_is_no_guess() {
         let parabola = |c: f64| one(move |x: f64| (x - c - x * x, 1.0 - 2.0 * x));
@@ -428,7 +436,8 @@ mod tests {
         }
     }
 
-    /// `x = c + k c (x/c)²/4` of any size: one number and two lanes go the same way, though only the one begins with an iteration of its own.
+    /// `x = c + k c (x/c)²/4` of any size: one number and two lanes go the same way, though only the one
+    /// begins with an iteration of its own.
     #[test]
     fn the_first_correction_from_zero_is_all_of_it() {
         fn parabola<S: Scalar>(c: S, k: S) -> impl Equations<S, 1> {

@@ -1,10 +1,11 @@
-//! Factors `L U` of a sparse matrix whose pattern is symmetric, without exchanges: all of their entries where these are few, else those
-//! at the places of the matrix itself, else its diagonal. They precondition an iteration ([`Krylov`](super::Krylov)), which corrects missing
-//! entries and inaccurate pivots.
+//! Factors `L U` of a sparse matrix whose pattern is symmetric, without exchanges: all of their entries where
+//! these are few, else those at the places of the matrix itself, else its diagonal. They precondition an
+//! iteration ([`Krylov`](super::Krylov)), which corrects missing entries and inaccurate pivots.
 //!
-//! A. George, J. W. H. Liu, *Computer Solution of Large Sparse Positive Definite Systems*, 1981 (the pattern of the factors); J. A. Meijerink,
-//! H. A. van der Vorst, "An iterative solution method for linear systems of which the coefficient matrix is a symmetric M-matrix", Math.
-//! Comp. 31, 1977 (those at the places of the matrix).
+//! A. George, J. W. H. Liu, *Computer Solution of Large Sparse Positive Definite Systems*, 1981 (the pattern
+//! of the factors); J. A. Meijerink, H. A. van der Vorst, "An iterative solution method for linear systems of
+//! which the coefficient matrix is a symmetric M-matrix", Math. Comp. 31, 1977 (those at the places of the
+//! matrix).
 
 use super::graph::{Neighbours, nested_dissection, starts};
 use crate::algebra::scalar::{Mask, Scalar};
@@ -85,8 +86,8 @@ impl<S: Scalar> Half<S> {
 }
 
 impl<S: Scalar> Sparse<S> {
-    /// Room for all entries of the factors, in an order in which these are few; `None` if they take more than `most` multiplications.
-    /// `pairs`: the places of the matrix above the diagonal, no one twice.
+    /// Room for all entries of the factors, in an order in which these are few; `None` if they take more than
+    /// `most` multiplications. `pairs`: the places of the matrix above the diagonal, no one twice.
     pub fn complete(n: usize, pairs: &[(usize, usize)], most: u64) -> Option<Self> {
         let neighbours = Neighbours::new(n, pairs);
         let position = nested_dissection(n, &neighbours);
@@ -94,7 +95,8 @@ impl<S: Scalar> Sparse<S> {
         Some(Self::new(position, upper, true))
     }
 
-    /// Room for entries at the places of the matrix, in the order of its unknowns; `pairs` ascend. `None` if there are too many unknowns.
+    /// Room for entries at the places of the matrix, in the order of its unknowns; `pairs` ascend. `None` if
+    /// there are too many unknowns.
     pub fn incomplete(n: usize, pairs: &[(usize, usize)]) -> Option<Self> {
         u32::try_from(n).ok()?;
         let starts = starts(n, pairs.iter().map(|&(row, _)| row));
@@ -142,8 +144,8 @@ impl<S: Scalar> Sparse<S> {
         }
     }
 
-    /// Factors the matrix in place. A pivot at rounding level is replaced by the size of its terms, and a row without a finite pivot by that of
-    /// the identity.
+    /// Factors the matrix in place. A pivot at rounding level is replaced by the size of its terms, and a row
+    /// without a finite pivot by that of the identity.
     pub fn factor(&mut self) {
         self.is_exact = self.is_complete;
         self.filled.fill(u32::MAX);
@@ -240,7 +242,8 @@ impl Rows {
         (self.starts[row + 1] - self.starts[row]) as u64
     }
 
-    /// That of the other triangle; its rows have ascending columns whether or not those of this one have.
+    /// The pattern of the other triangle. Its rows have ascending columns even if the rows of this triangle
+    /// have not.
     fn transposed(&self) -> Self {
         let n = self.starts.len() - 1;
         let starts = starts(n, self.columns.iter().map(|&column| column as usize));
@@ -255,8 +258,8 @@ impl Rows {
     }
 }
 
-/// The places above the diagonal that elimination in the order of the positions fills; `None` if that takes more than `most`
-/// multiplications.
+/// The places above the diagonal that elimination in the order of the positions fills; `None` if that takes
+/// more than `most` multiplications.
 ///
 /// A row has the places of its matrix, and those of the rows whose first place is in its column.
 fn filled(n: usize, neighbours: &Neighbours, position: &[usize], most: u64) -> Option<Rows> {
@@ -442,7 +445,8 @@ mod tests {
         }
     }
 
-    /// The pivot of the first unknown is zero: what is solved instead differs by a matrix of rank one, which takes an iteration more.
+    /// The pivot of the first unknown is zero: what is solved instead differs by a matrix of rank one, which
+    /// takes an iteration more.
     #[test]
     fn a_pivot_of_zero_takes_iterations() {
         let entries = vec![(0, 0, -1.0), (0, 1, 2.0), (1, 0, 2.0), (1, 2, 0.5), (2, 1, 0.5)];

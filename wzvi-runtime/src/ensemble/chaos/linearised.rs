@@ -1,11 +1,13 @@
-//! A system together with two deviations from its path, and the growth of the first: the state of a larger step.
+//! A system together with two deviations from its path, and the growth of the first: the state of a larger
+//! step.
 //!
 //! ```text
 //! (q, δ_1 q, δ_2 q, ln |δ_1|, Σ k l_k),   (p, δ_1 p, δ_2 p, Σ Y_k, max ln |δ_1|)
 //! ```
 //!
-//! A step is one of the system in dual numbers, whose parts are lanes where the step is in lanes. Then deviations are divided by their lengths.
-//! All that runs paths of an ensemble runs these: lanes, threads, checkpoints.
+//! A step is one of the system in dual numbers, whose parts are lanes where the step is in lanes. Then
+//! deviations are divided by their lengths. All that runs paths of an ensemble runs these: lanes, threads,
+//! checkpoints.
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
 use std::array::from_fn;
@@ -223,7 +225,7 @@ impl<H: Discretized<E>, E> Scheme<Linearised<'_, H>> for WithDeviations<E> {
             dual_dw[k].value = dw[k];
         }
         let step = At { t, h, q: &mut dual_q[..], p: &mut dual_p[..], dw: dual_dw };
-        // Of paths side by side none is solved with care on account of another: then they go one by one.
+        // No path is solved with care on account of another in its lanes: paths then go one by one.
         let effort = if S::LANES > 1 {
             SchemeOf::<H, E>::advance::<f64, Number<S>, Plain, false>(
                 system.system,

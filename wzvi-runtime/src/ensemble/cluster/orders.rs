@@ -1,8 +1,9 @@
 //! What rank 0 and the others send to each other.
 //!
-//! Rank 0 must be able to go on without a rank that has stalled, and that rank to end when it wakes up. So nobody sends what the other
-//! one may never receive: results that are more than a few words are announced, and sent when rank 0 asks for them; it then receives
-//! them whatever happens ([`Orders::abandon`]). All other messages are so short that they are sent at once.
+//! Rank 0 must be able to go on without a rank that has stalled, and that rank to end when it wakes up. So
+//! nobody sends what the other one may never receive: results that are more than a few words are announced,
+//! and sent when rank 0 asks for them; it then receives them whatever happens ([`Orders::abandon`]). All
+//! other messages are so short that they are sent at once.
 
 use mpi::point_to_point::{Message, Status};
 use mpi::request::StaticScope;
@@ -21,7 +22,8 @@ const ANNOUNCED: i32 = 4;
 /// To rank 0: the words of results.
 const RESULTS: i32 = 5;
 
-/// Words of a message that MPI sends at once, whatever the receiver is doing: below the limits of all libraries.
+/// Words of a message that MPI sends at once, whatever the receiver is doing: below the limits of all
+/// libraries.
 const FEW_WORDS: usize = 128;
 /// Bytes of a text, likewise.
 const FEW_BYTES: usize = 1000;
@@ -74,8 +76,8 @@ impl<C: Communicator> Orders<'_, C> {
         answer.map(|answer| Some((rank, answer))).ok_or(ClusterError::Message { rank })
     }
 
-    /// Lets MPI receive what a rank was asked to send and nobody waits for any more: else it would wait for us in turn. The memory is
-    /// MPI's from then on.
+    /// Lets MPI receive what a rank was asked to send and nobody waits for any more: else it would wait for
+    /// us in turn. The memory is MPI's from then on.
     pub(super) fn abandon(&self, rank: i32, words: usize) {
         let buffer = Box::leak(vec![0_u64; words].into_boxed_slice());
         let request =

@@ -37,8 +37,9 @@ pub(super) struct Served {
     pub(super) has_stragglers: bool,
 }
 
-/// Hands out the blocks of `queue` to the other ranks and to threads of this one, until all are taken, `take` breaks, or the run is to end
-/// early: then it has nothing for `take`. Results have the shape of `empty`. It does not wait for a rank that does not answer.
+/// Hands out the blocks of `queue` to the other ranks and to threads of this one, until all are taken, `take`
+/// breaks, or the run is to end early: then it has nothing for `take`. Results have the shape of `empty`. It
+/// does not wait for a rank that does not answer.
 pub(super) fn serve<C: Communicator>(
     world: &C,
     queue: Queue<Option<Statistics>>,
@@ -315,8 +316,8 @@ pub(super) fn work<C: Communicator>(
     }
 }
 
-/// The number of the first block of a batch, the nanoseconds that it took, how many blocks were not stopped on the way, and their results, as
-/// words.
+/// The number of the first block of a batch, the nanoseconds that it took, how many blocks were not stopped
+/// on the way, and their results, as words.
 fn results(
     batch: Range<u64>,
     threads: usize,

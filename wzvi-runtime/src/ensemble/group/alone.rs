@@ -39,7 +39,8 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         Ok(())
     }
 
-    /// The step of one path again, in halves, if that is allowed; the path fails if it is not, or does not help.
+    /// The step of one path again, in halves, if that is allowed; the path fails if it is not, or does not
+    /// help.
     ///
     /// # Errors
     /// The error of a noise that has no increments.
@@ -170,8 +171,8 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         self.starts = starts;
     }
 
-    /// After that step: whether each of these lanes has the solution that continues its state. As for a stepper, that the short way has found one is not
-    /// enough where it had nothing to go by.
+    /// After that step: whether each of these lanes has the solution that continues its state. As for a
+    /// stepper, that the short way has found one is not enough where it had nothing to go by.
     ///
     /// # Errors
     /// The error of a noise that has no increments.
@@ -245,8 +246,8 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         Ok(())
     }
 
-    /// Joins the lanes if they go side by side and their memories have the same shape. A lane that has failed takes the memory of the path that it
-    /// follows.
+    /// Joins the lanes if they go side by side and their memories have the same shape. A lane that has failed
+    /// takes the memory of the path that it follows.
     fn join(&mut self) {
         let Some(lanes) = self.living() else { return };
         if !self.are_apart || !lanes.iter().all(|&lane| self.apart[lane].goes_side_by_side()) {
@@ -262,7 +263,8 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     }
 }
 
-/// What halves the steps of this size of a path: made when it is first needed, and anew for each path that has its own system.
+/// What halves the steps of this size of a path: made when it is first needed, and anew for each path that
+/// has its own system.
 pub(super) fn subdivision_of<'s, 'j, H: Discretized<E>, E>(
     kept: &'s mut Option<Subdivision<'j, H, E, Plain>>,
     job: &'j Job<'_, H, E>,

@@ -1,4 +1,5 @@
-//! Coupled paths: beside each path of a level a coarser one, in steps twice as long, on the same Brownian path.
+//! Coupled paths: beside each path of a level a coarser one, in steps twice as long, on the same Brownian
+//! path.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -44,7 +45,8 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         if step % 2 == 1 { group.step(step / 2) } else { Ok(()) }
     }
 
-    /// The observable at the end of the path of a lane, and its difference from that of the coarser path; the same twice where there is none.
+    /// The observable at the end of the path of a lane, and its difference from that of the coarser path; the
+    /// same twice where there is none.
     ///
     /// # Errors
     /// Where one of them has no value: of both the coarser one, which is the reason in most cases.

@@ -6,7 +6,8 @@ use crate::error::StepError;
 use crate::path::watch::{Motion, Watch, keeps_energy, next_look};
 use crate::scheme::system::Discretized;
 
-/// The size of the motion of each path, from the steps that a single path looks at: so both divide a step alike.
+/// The size of the motion of each path, from the steps that a single path looks at: so both divide a step
+/// alike.
 pub(super) struct Motions<V> {
     /// The next of these steps; the largest number if no step is divided.
     pub(super) next: u64,
@@ -29,7 +30,7 @@ impl<V> Default for Motions<V> {
 }
 
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L> {
-    /// Of all paths, from their starts.
+    /// Monitors the energy of all paths from their starts.
     pub(super) fn watch_from_start(&mut self) {
         if !const { keeps_energy::<H, E>() } {
             return;
@@ -89,7 +90,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
             self.watches[lane] = watch;
         }
         if self.looked.is_empty() {
-            // That of a lane whose path has failed since.
+            // The test was due in a lane whose path has failed since.
             self.find_next_look();
         }
     }

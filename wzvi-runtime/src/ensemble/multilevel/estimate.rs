@@ -10,8 +10,8 @@ use crate::statistics::StatisticsNode;
 pub(super) const FINE: usize = 0;
 const DIFFERENCE: usize = 1;
 
-/// Upper estimates of the variances of the differences, level by level. Where all differences of a level are equal, one that has not been
-/// seen may be as large as values differ on any level.
+/// Upper estimates of the variances of the differences, level by level. Where all differences of a level are
+/// equal, one that has not been seen may be as large as values differ on any level.
 pub(super) fn variance_bounds(levels: &[&StatisticsNode]) -> Vec<f64> {
     let width = levels.iter().map(|end| end.width(FINE)).fold(0.0, f64::max);
     let bound = |end: &&StatisticsNode| {
@@ -21,8 +21,9 @@ pub(super) fn variance_bounds(levels: &[&StatisticsNode]) -> Vec<f64> {
     levels.iter().map(bound).collect()
 }
 
-/// The remaining bias, estimated from the last three differences: a remainder of `m / (2^α - 1)` after a difference `m`,
-/// if they fall like `2^{-α l}`; the largest of the three, since each may be small by chance. Infinite without differences.
+/// The remaining bias, estimated from the last three differences: a remainder of `m / (2^α - 1)` after a
+/// difference `m`, if they fall like `2^{-α l}`; the largest of the three, since each may be small by chance.
+/// Infinite without differences.
 pub(super) fn bias(levels: &[&StatisticsNode], order: f64) -> f64 {
     let differences = levels.iter().skip(1).rev().take(3).zip(0..);
     let remainders =
@@ -33,7 +34,8 @@ pub(super) fn bias(levels: &[&StatisticsNode], order: f64) -> f64 {
     }
 }
 
-/// `β` of the fit `V_l ~ 2^{-β l}` by least squares over the levels from 1 on; `None` for fewer than two that have a variance.
+/// `β` of the fit `V_l ~ 2^{-β l}` by least squares over the levels from 1 on; `None` for fewer than two that
+/// have a variance.
 pub(super) fn variance_slope(levels: &[&StatisticsNode]) -> Option<f64> {
     slope(levels.iter().map(|end| end.variance(DIFFERENCE)))
 }
@@ -63,7 +65,7 @@ pub struct Level {
     steps: u64,
     /// Mean and variance of the difference.
     difference: [f64; 2],
-    /// Those of the observable.
+    /// Mean and variance of the observable.
     fine: [f64; 2],
 }
 
@@ -156,19 +158,22 @@ impl MultilevelEstimate {
         if self.levels.is_empty() { f64::NAN } else { self.levels.iter().map(square).sum::<f64>().sqrt() }
     }
 
-    /// An upper estimate of the standard error, which allows for events too rare to have been seen on enough paths, as
-    /// [`StatisticsNode::error_bound`](super::super::StatisticsNode::error_bound) does. Where all differences of a level are equal, it allows for one
-    /// as large as the range of the observable. The target is compared with this.
+    /// An upper estimate of the standard error, which allows for events too rare to have been seen on enough
+    /// paths, as [`StatisticsNode::error_bound`](super::super::StatisticsNode::error_bound) does. Where all
+    /// differences of a level are equal, it allows for one as large as the range of the observable. The
+    /// target is compared with this.
     pub fn error_bound(&self) -> f64 {
         if self.levels.is_empty() { f64::NAN } else { self.error_bound }
     }
 
-    /// Whether the observable is the same number on all paths: then nothing is known of its error, and the target is not met.
+    /// Whether the observable is the same number on all paths: then nothing is known of its error, and the
+    /// target is not met.
     pub fn is_constant(&self) -> bool {
         self.is_constant
     }
 
-    /// The estimated distance of the mean at the finest step size from its limit, from the last three levels and the weak order.
+    /// The estimated distance of the mean at the finest step size from its limit, from the last three levels
+    /// and the weak order.
     pub fn bias(&self) -> f64 {
         self.bias
     }
@@ -195,18 +200,19 @@ impl MultilevelEstimate {
         steps * finest.fine_variance() / self.standard_error().powi(2)
     }
 
-    /// `β`, if the variances fall like `h^β`: twice the strong order, for a smooth observable. By least squares over the levels from
-    /// 1 on; `None` for fewer than two that have a variance.
+    /// `β`, if the variances fall like `h^β`: twice the strong order, for a smooth observable. By least
+    /// squares over the levels from 1 on; `None` for fewer than two that have a variance.
     pub fn variance_slope(&self) -> Option<f64> {
         slope(self.levels.iter().map(Level::variance))
     }
 
-    /// The same for the means of the differences: the weak order, where they are larger than their errors.
+    /// The exponent of the means of the differences: the weak order, where they are larger than their errors.
     pub fn mean_slope(&self) -> Option<f64> {
         slope(self.levels.iter().map(|level| level.mean().abs()))
     }
 
-    /// Whether the run was stopped, by Ctrl-C or [`Ensemble::stop_when`](super::super::Ensemble::stop_when), before it was done.
+    /// Whether the run was stopped, by Ctrl-C or [`Ensemble::stop_when`](super::super::Ensemble::stop_when),
+    /// before it was done.
     pub fn is_partial(&self) -> bool {
         self.is_partial
     }
@@ -216,7 +222,8 @@ impl MultilevelEstimate {
         self.unsaved.as_ref()
     }
 
-    /// Whether standard error and bias meet the target; if not, the limit on paths or levels was reached first.
+    /// Whether standard error and bias meet the target; if not, the limit on paths or levels was reached
+    /// first.
     pub fn met_target(&self) -> bool {
         self.met_target
     }

@@ -111,7 +111,7 @@ fn steps<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> u64 {
     if job.level == 0 { job.steps } else { job.steps + job.steps / 2 }
 }
 
-/// Paths after which a level may end: few on the finest, which need few; on the coarsest as many as make the steps about as many.
+/// The least number of paths of a level. Coarse levels get more, so that all levels take about as many steps.
 fn least_paths(level: u32) -> u64 {
     BESIDE << 4u32.saturating_sub(level)
 }
@@ -169,7 +169,8 @@ where
         Ok(self.estimate(is_partial))
     }
 
-    /// How many paths of each level there shall be, of one more level than before if these are not enough; `None` if they are.
+    /// How many paths of each level there shall be, of one more level than before if these are not enough;
+    /// `None` if they are.
     fn look(&self) -> Option<Vec<u64>> {
         let Self { reached, limits, .. } = self;
         if reached.is_constant() {
@@ -183,8 +184,8 @@ where
         let is_enough = best.iter().zip(counts()).all(|(best, count)| {
             count >= limits.most_paths || *best as f64 <= count as f64 * (1.0 + TOLERANCE)
         });
-        // The bound of what has not been seen falls with the number of paths: no level more than doubles before the next look, or a first look that
-        // saw nothing would ask for far too many.
+        // The bound of what has not been seen falls with the number of paths: no level more than doubles
+        // before the next look, or a first look that saw nothing would ask for far too many.
         let mut wanted: Vec<u64> =
             best.iter().zip(counts()).map(|(best, count)| count.saturating_mul(2).min(*best)).collect();
         if is_enough {

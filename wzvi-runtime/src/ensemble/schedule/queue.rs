@@ -12,7 +12,8 @@ pub(crate) const LEAD: u64 = 4;
 const BATCH: Duration = Duration::from_millis(20);
 /// Bytes of results that a batch should not exceed, unless one block does.
 const MOST_BYTES: u64 = 1 << 20;
-/// A batch that takes so many times as long as the slowest block so far would have it, and [`PATIENCE`] more, is given to others, too.
+/// A batch that takes so many times as long as the slowest block so far would have it, and [`PATIENCE`] more,
+/// is given to others, too.
 const SLOWER: u32 = 10;
 /// How long to wait for whoever does not answer: long against a message and a batch, short against a run.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(1);
@@ -107,7 +108,8 @@ impl<T> Queue<T> {
         Some(first..self.next)
     }
 
-    /// The results of a batch, which took so long. Those of a batch that was done twice are the same both times, and the first count.
+    /// The results of a batch, which took so long. A batch that was done twice has the same results both
+    /// times, and the first count.
     pub(crate) fn arrive(&mut self, first: u64, results: Vec<T>, taken: Duration) {
         if let Ok(blocks) = u32::try_from(results.len())
             && let Some(each) = taken.checked_div(blocks)
@@ -131,7 +133,8 @@ impl<T> Queue<T> {
         }
     }
 
-    /// How long a batch of so many blocks may take before others do it, too; not known before the first one is done.
+    /// How long a batch of so many blocks may take before others do it, too; not known before the first one
+    /// is done.
     pub(crate) fn patience(&self, blocks: u64) -> Option<Duration> {
         let blocks = u32::try_from(blocks).unwrap_or(u32::MAX);
         self.slowest.map(|block| block.saturating_mul(blocks).saturating_mul(SLOWER).saturating_add(PATIENCE))
@@ -205,7 +208,8 @@ mod tests {
             assert!(waiting as u64 <= LEAD * 3 * queue.largest, "{waiting} wait");
         }
         assert_eq!(expected, 20_000);
-        // Batches of 20 ms: 1000, 200 and 6 blocks; as long as nobody waits, 20 000 blocks take 20 000 / (1 / 20 µs + ...).
+        // Batches of 20 ms: 1000, 200 and 6 blocks; as long as nobody waits, 20 000 blocks take 20 000 / (1 /
+        // 20 µs + ...).
         assert!((900..=1000).contains(&queue.largest), "{}", queue.largest);
         let ideal = 19_995.0 / speeds.iter().map(|seconds| 1.0 / seconds).sum::<f64>();
         // At the end one may be left with a batch.
@@ -263,7 +267,7 @@ mod tests {
         assert_eq!(done, (0..100).collect::<Vec<_>>());
     }
 
-    /// Of blocks that take long, nobody gets ahead of the oldest one by more than it is allowed.
+    /// If blocks take long, no worker gets ahead of the oldest one by more than it is allowed.
     #[test]
     fn nobody_runs_far_ahead() {
         let mut queue = Queue::new(0..u64::MAX, 2);

@@ -18,8 +18,9 @@ pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
-/// Subtracts from a vector its parts along orthonormal others, twice: after that it is orthogonal to rounding (L. Giraud, J. Langou, M. Rozložník, "The loss
-/// of orthogonality in the Gram-Schmidt orthogonalization process", Comput. Math. Appl. 50, 2005). Returns its length then.
+/// Subtracts from a vector its parts along orthonormal others, twice: after that it is orthogonal to rounding
+/// (L. Giraud, J. Langou, M. Rozložník, "The loss of orthogonality in the Gram-Schmidt orthogonalization
+/// process", Comput. Math. Appl. 50, 2005). Returns its length then.
 pub(super) fn orthogonalise(frame: &[Vec<f64>], vector: &mut [f64]) -> f64 {
     for _ in 0..2 {
         for unit in frame {
@@ -46,7 +47,7 @@ pub(super) struct Frame<'a, H: Discretized<E>, E> {
 }
 
 impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
-    /// Of a run in steps of size `h`.
+    /// Deviations of a run in steps of size `h`.
     ///
     /// # Errors
     /// The errors of what is prepared of a system.
@@ -114,7 +115,8 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
         Ok(())
     }
 
-    /// Whether a deviation has become longer or shorter by more than this factor since it was last of length one.
+    /// Whether a deviation has become longer or shorter by more than this factor since it was last of length
+    /// one.
     pub(super) fn has_grown(&self, factor: f64) -> bool {
         self.blocks.iter().enumerate().any(|(block, columns)| {
             (0..BESIDE.min(self.count() - BESIDE * block)).any(|column| {
@@ -144,8 +146,8 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
         &self.lists
     }
 
-    /// Makes the deviations orthonormal, `Δ = Q R`, and adds the logarithms of the diagonal of `R` to `logs`. Returns the largest of
-    /// these minus the smallest.
+    /// Makes the deviations orthonormal, `Δ = Q R`, and adds the logarithms of the diagonal of `R` to `logs`.
+    /// Returns the largest of these minus the smallest.
     ///
     /// # Errors
     /// [`DerivativeError`] where one is a sum of multiples of those before it.

@@ -17,10 +17,11 @@ use crate::scheme::system::Discretized;
 pub struct Indicators {
     /// `Y_n = (2/n) Σ k l_k` at the end, by the first deviation.
     pub megno: f64,
-    /// `Ȳ_n`, the mean of `Y_k` over the steps: near 2 on regular paths, near half the exponent times the time on chaotic ones. With noise it has
-    /// no such value.
+    /// `Ȳ_n`, the mean of `Y_k` over the steps: near 2 on regular paths, near half the exponent times the
+    /// time on chaotic ones. With noise it has no such value.
     pub megno_mean: f64,
-    /// The smaller length of sum and difference of the first two deviations as unit vectors: at most `√2`, and zero to rounding on chaotic paths.
+    /// The smaller length of sum and difference of the first two deviations as unit vectors: at most `√2`,
+    /// and zero to rounding on chaotic paths.
     pub sali: f64,
     /// GALI_2, GALI_3, …: the volume of so many deviations as unit vectors.
     pub gali: Vec<f64>,
@@ -83,13 +84,14 @@ pub(crate) struct Growth<S> {
 }
 
 impl<S: Scalar> Growth<S> {
-    /// Of a deviation of length one.
+    /// The growth of a deviation of length one.
     pub(crate) fn new() -> Self {
         let [zero, least] = [0.0, f64::MIN].map(S::from_f64);
         Self { ln_length: zero, weighted: zero, means: zero, fli: least }
     }
 
-    /// After a step from `before` steps to `now` steps; a last one that is shorter counts as its part of a step.
+    /// After a step from `before` steps to `now` steps; a last one that is shorter counts as its part of a
+    /// step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn add(&mut self, ln_length: S, [before, now]: [f64; 2]) {
         self.weighted = self.weighted + (ln_length - self.ln_length) * now;

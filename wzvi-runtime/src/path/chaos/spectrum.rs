@@ -1,17 +1,20 @@
 //! Lyapunov exponents by QR.
 //!
-//! `T_n ... T_1 Δ_0 = Q R`, kept as a product of such factors: `λ_j = ln R_jj / T`. Deviations are made orthonormal before they become so parallel that
-//! their digits are lost.
+//! `T_n ... T_1 Δ_0 = Q R`, kept as a product of such factors: `λ_j = ln R_jj / T`. Deviations are made
+//! orthonormal before they become so parallel that their digits are lost.
 //!
-//! **Errors.** Exponents of a chaotic path over a finite time scatter from path to path, and correlations along one path last so long that batches of it
-//! give errors that are 2 to 3 times too small. The error is the standard deviation of the exponents of several paths, and at least the error by batches.
+//! **Errors.** Exponents of a chaotic path over a finite time scatter from path to path, and correlations
+//! along one path last so long that batches of it give errors that are 2 to 3 times too small. The error is
+//! the standard deviation of the exponents of several paths, and at least the error by batches.
 //!
-//! * With noise the others are other paths of the noise. Copies under the same increments would come together where exponents are negative.
-//! * Without noise they start beside the path, and are others once they have left it. The spread of what they then gain, over a part `T - τ` of the time,
-//!   is that of a part of the run: it is taken times `√(T / (T - τ))`. Copies that leave it in the second half of the run, or not at all although
-//!   deviations grow exponentially, say that the run is too short.
-//! * Where deviations grow at most like the square of the time, as on regular paths, copies stay where they are. The error is then by batches: the first of
-//!   them has most of `ln T`, so that it covers this bias.
+//! * With noise the others are other paths of the noise. Copies under the same increments would come together
+//!   where exponents are negative.
+//! * Without noise they start beside the path, and are others once they have left it. The spread of what they
+//!   then gain, over a part `T - τ` of the time, is that of a part of the run: it is taken times
+//!   `√(T / (T - τ))`. Copies that leave it in the second half of the run, or not at all although deviations
+//!   grow exponentially, say that the run is too short.
+//! * Where deviations grow at most like the square of the time, as on regular paths, copies stay where they
+//!   are. The error is then by batches: the first of them has most of `ln T`, so that it covers this bias.
 
 use super::frame::Frame;
 use super::{Deviations, chosen, start};
@@ -27,9 +30,11 @@ use crate::path::steps::Step;
 use crate::saving::table::{Rows, Table};
 use crate::scheme::system::Discretized;
 
-/// Lengths of deviations between which they are made orthonormal: of the digits of `f64`, 12 remain in the shortest.
+/// Lengths of deviations between which they are made orthonormal: of the digits of `f64`, 12 remain in the
+/// shortest.
 const LONG: f64 = 64.0;
-/// The logarithms of the diagonal of `R` that differ by more than this ask for QR more often; by less than a half, less often.
+/// The logarithms of the diagonal of `R` that differ by more than this ask for QR more often; by less than a
+/// half, less often.
 const APART: f64 = 6.0;
 /// Steps between two factorisations, at most: deviations that contract are not seen by their lengths.
 const MOST: u64 = 256;
@@ -47,13 +52,14 @@ const PATHS: u64 = 1 << 40;
 pub struct Spectrum {
     /// The exponents in 1/time, the largest first: of this path over this time.
     pub values: Vec<f64>,
-    /// The standard deviation of each from path to path, over the same time. `None` without copies, for a run that is too short for one, and for a noise with one
-    /// path alone, as given increments.
+    /// The standard deviation of each from path to path, over the same time. `None` without copies, for a run
+    /// that is too short for one, and for a noise with one path alone, as given increments.
     pub errors: Option<Vec<f64>>,
-    /// The largest `|λ_i + λ_{2d+1-i} - 2 Σλ/2d|`. It goes to zero like `ln T / T` for symplectic steps and with friction of one rate; `None` for fewer than all
-    /// exponents, and for other systems.
+    /// The largest `|λ_i + λ_{2d+1-i} - 2 Σλ/2d|`. It goes to zero like `ln T / T` for symplectic steps and
+    /// with friction of one rate; `None` for fewer than all exponents, and for other systems.
     pub pair_defect: Option<f64>,
-    /// `Σλ` minus what it is: 0 for symplectic steps, `-d γ` with friction of one rate `γ`. It is zero to rounding; `None` as for `pair_defect`.
+    /// `Σλ` minus what it is: 0 for symplectic steps, `-d γ` with friction of one rate `γ`. It is zero to
+    /// rounding; `None` as for `pair_defect`.
     pub sum_defect: Option<f64>,
     /// The length of the run, in units of time.
     pub time: f64,
@@ -129,7 +135,8 @@ where
     /// The `largest` ones alone, at the cost of as many deviations.
     ///
     /// # Errors
-    /// The errors of [`Simulation::lyapunov`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting) for none, or for more than there are.
+    /// The errors of [`Simulation::lyapunov`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting)
+    /// for none, or for more than there are.
     pub fn lyapunov_of(self, largest: usize) -> Result<Spectrum, Error> {
         self.generic().lyapunov_of(largest)
     }
@@ -294,7 +301,8 @@ impl Stretching {
         [8, 16, 32, 64].into_iter().map(error).fold(0.0, f64::max)
     }
 
-    /// Whether gains change within the run, so that batches of them differ: not while the run is a part of a period.
+    /// Whether gains change within the run, so that batches of them differ: not while the run is a part of a
+    /// period.
     fn is_settled(&self) -> bool {
         let (mut means, mut before) = (BatchMeans::new(), 0.0);
         for log in self.logs.iter().filter_map(|logs| logs.first()) {
@@ -303,7 +311,8 @@ impl Stretching {
         !means.standard_error().is_nan()
     }
 
-    /// Whether a deviation grows faster than the square of the time: twice the time brings more than `ln 4`, in the mean over both.
+    /// Whether a deviation grows faster than the square of the time: twice the time brings more than `ln 4`,
+    /// in the mean over both.
     fn is_exponential(&self) -> bool {
         let mean = |batches: std::ops::Range<usize>| {
             let number = batches.len() as f64;

@@ -15,8 +15,8 @@ pub(super) fn generic(number: usize, length: usize) -> Result<Vec<Vec<f64>>, Con
     Ok(deviations)
 }
 
-/// A direction of its own for each number: entries in `(-1, 1)` by the mixing function of SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, "Fast
-/// splittable pseudorandom number generators", OOPSLA 2014).
+/// A direction of its own for each number: entries in `(-1, 1)` by the mixing function of SplitMix64 (G. L.
+/// Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
 pub(super) fn direction(number: u64, length: usize) -> Vec<f64> {
     let entry = |place: usize| {
         let mut x = (number << 32 | place as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);

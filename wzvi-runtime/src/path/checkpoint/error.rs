@@ -65,7 +65,8 @@ pub enum CheckpointError {
         /// Paths asked for.
         paths: u64,
     },
-    /// Another program wrote the file while this run began. One that does so later is the [`FileError::Taken`] of a run that goes on.
+    /// Another program wrote the file while this run began. One that does so later is the
+    /// [`FileError::Taken`] of a run that goes on.
     Taken {
         /// The file.
         path: PathBuf,

@@ -1,4 +1,5 @@
-//! The file: one line with its kind, version, steps or chunks that are done, length and checksum, then words of 64 bits, the least byte first.
+//! The file: one line with its kind, version, steps or chunks that are done, length and checksum, then words
+//! of 64 bits, the least byte first.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -85,8 +85,8 @@ pub(super) fn forces_at(place: &str) -> String {
     format!("what energies and forces are at the {place} (checksum)")
 }
 
-/// The checksum of the energy, of its gradient, and of that of all noises at a state, each with a weight of its own: it tells parameters apart
-/// that matter there.
+/// The checksum of the energy, of its gradient, and of that of all noises at a state, each with a weight of
+/// its own: it tells parameters apart that matter there.
 pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> String {
     let mut checksum = Checksum::default();
     let mut add = |number: &f64| checksum.add(&number.to_bits().to_le_bytes());

@@ -105,7 +105,8 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// Units that can be saved. A last chunk of paths that is not whole never is, so that a run of more paths can go on.
+    /// Units that can be saved. A last chunk of paths that is not whole never is, so that a run of more paths
+    /// can go on.
     fn end(self) -> u64 {
         self.all / self.unit
     }
@@ -135,8 +136,8 @@ struct Kept {
 }
 
 impl Keeping {
-    /// Continues from the checkpoint if there is one, else writes the first one. `pass` passes the data of the run: those of the start before the
-    /// call, those of the checkpoint afterwards.
+    /// Continues from the checkpoint if there is one, else writes the first one. `pass` passes the data of
+    /// the run: those of the start before the call, those of the checkpoint afterwards.
     pub(crate) fn open(
         self,
         extent: Extent,
@@ -183,7 +184,8 @@ impl Keeper {
         self.file.as_mut().is_some_and(|file| done <= file.extent.end() && file.due.is_due(done))
     }
 
-    /// Saves the run. If the checkpoint cannot be written, the run continues, because ending it would lose more.
+    /// Saves the run. If the checkpoint cannot be written, the run continues, because ending it would lose
+    /// more.
     ///
     /// # Errors
     /// A bug of the library.

@@ -16,8 +16,9 @@ use crate::path::span::Grid;
 use crate::scheme::system::Discretized;
 
 impl Keeping {
-    /// Goes on from the checkpoint if there is one, else writes the first one. The arguments are those of a run at its
-    /// start, with the nodes to go to, a `retry` and sections to name; they become those of the run at the checkpoint.
+    /// Goes on from the checkpoint if there is one, else writes the first one. The arguments are those of a
+    /// run at its start, with the nodes to go to, a `retry` and sections to name; they become those of the
+    /// run at the checkpoint.
     pub(crate) fn open_path<H: Discretized<E>, E, N: Noise, C: Carry<f64>>(
         self,
         path: &mut OnePath<'_, '_, H, E, N, C>,
@@ -31,7 +32,7 @@ impl Keeping {
         let (extent, mut forces) = (Extent { kind: Kind::Path, all: grid.whole(), unit: 1 }, String::new());
         let keeper =
             self.open(extent, described, &mut |tape| forces = pass(path.stepper, path.state, run, tape))?;
-        // Of the state that was read, or of the start, which was written.
+        // The forces at the state that was read, or at the start, which was written.
         let found = identity::forces(path.stepper.stepper.system(), path.state);
         if forces != found {
             let field = identity::forces_at("checkpoint");

@@ -11,8 +11,8 @@ pub enum LevelFailure {
     NonFinite(f64),
 }
 
-/// A path of a multilevel run without a value at its end. It cannot be left out: two neighbouring levels would then average over different
-/// paths, and their differences would not add up.
+/// A path of a multilevel run without a value at its end. It cannot be left out: two neighbouring levels
+/// would then average over different paths, and their differences would not add up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelError {
     /// The level, 0 the coarsest.

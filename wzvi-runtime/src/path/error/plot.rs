@@ -23,7 +23,8 @@ pub enum PlotError {
         /// The file.
         path: PathBuf,
     },
-    /// The limits of an axis are no range: the second is not above the first, one is NaN or infinite, or not positive on a logarithmic axis.
+    /// The limits of an axis are no range: the second is not above the first, one is NaN or infinite, or not
+    /// positive on a logarithmic axis.
     Range {
         /// The name of the figure.
         figure: String,

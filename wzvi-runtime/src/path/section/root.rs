@@ -9,8 +9,9 @@ const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 /// The zero of `f` between two points of `0 ≤ x ≤ 1` at which it has values of different signs.
 ///
-/// By the method ITP, which is as fast as the secant method and never takes more steps than one more than bisection (I. F. D. Oliveira,
-/// R. H. C. Takahashi, "An enhancement of the bisection method average performance preserving minmax optimality", ACM Trans. Math. Softw. 47, 2020).
+/// By the method ITP, which is as fast as the secant method and never takes more steps than one more than
+/// bisection (I. F. D. Oliveira, R. H. C. Takahashi, "An enhancement of the bisection method average
+/// performance preserving minmax optimality", ACM Trans. Math. Softw. 47, 2020).
 pub(super) fn root(
     [mut a, mut b]: [f64; 2],
     [mut at_a, mut at_b]: [f64; 2],
@@ -47,7 +48,8 @@ pub(super) fn root(
     if at_a.abs() < at_b.abs() { a } else { b }
 }
 
-/// A point inside at which `f` is negative, and its value there; `None` if there is none near its minimum, by golden sections.
+/// A point inside at which `f` is negative, and its value there; `None` if there is none near its minimum, by
+/// golden sections.
 pub(super) fn lowest([mut a, mut b]: [f64; 2], mut f: impl FnMut(f64) -> f64) -> Option<(f64, f64)> {
     let (mut x, mut y) = (a + GOLDEN * (b - a), b - GOLDEN * (b - a));
     let (mut at_x, mut at_y) = (f(x), f(y));

@@ -4,7 +4,8 @@ use super::*;
 
 type V1 = SVector<f64, 1>;
 
-/// What a path crosses whose value is that of `f` at each time, in steps of one unit that are straight lines of time.
+/// What a path crosses whose value is that of `f` at each time, in steps of one unit that are straight lines
+/// of time.
 fn crossings(f: impl Fn(f64) -> f64 + Send + Sync, steps: u32) -> Vec<(f64, Direction)> {
     let mut sections = Sections::default();
     sections.push(None, |state: &State<V1>| f(state.t));

@@ -31,7 +31,8 @@ pub struct TimeAverage {
     pub mean: f64,
     /// The variance of the values.
     pub variance: f64,
-    /// The standard error of the mean, correlations included ([`BatchMeans::standard_error`]); NaN while the path is too short to know it.
+    /// The standard error of the mean, correlations included ([`BatchMeans::standard_error`]); NaN while the
+    /// path is too short to know it.
     pub standard_error: f64,
     /// `mean ± 1.96 error_bound` covers the mean in 95 % of paths that last for 40 of their slowest
     /// correlation times: [`BatchMeans::error_bound`].
@@ -62,7 +63,8 @@ pub struct TimeAverages<V> {
     pub met_targets: Option<bool>,
     /// Whether the run was stopped before its end and its targets.
     pub is_partial: bool,
-    /// Why the last [checkpoint](Simulation::checkpoint) could not be written; `None` if it was, and without one.
+    /// Why the last [checkpoint](Simulation::checkpoint) could not be written; `None` if it was, and without
+    /// one.
     pub unsaved: Option<FileError>,
 }
 
@@ -116,7 +118,8 @@ impl<V> fmt::Display for TimeAverages<V> {
 }
 
 impl<'a, H: Discretized<E>, E, N, O, S> Simulation<'a, H, E, N, O, S> {
-    /// Averages of the observables along the path, which is not kept: over all nodes, or every `record_every`-th.
+    /// Averages of the observables along the path, which is not kept: over all nodes, or every
+    /// `record_every`-th.
     ///
     /// ```ignore
     /// let run = system.simulate::<Baoab>(0.1).start(start).noise(Wiener::seed(7)).until(1e6);
@@ -151,21 +154,23 @@ where
         self
     }
 
-    /// Ends the run when the error of the average of an observable is `target` (units of the observable) or less, correlations included; the end of
-    /// the run is then a limit. The test uses [`BatchMeans::error_bound`], and the same by batches of half
-    /// the length; they are known once the path has lasted for some 50 correlation times. If this is called
-    /// more than once, all targets must be met.
+    /// Ends the run when the error of the average of an observable is `target` (units of the observable) or
+    /// less, correlations included; the end of the run is then a limit. The test uses
+    /// [`BatchMeans::error_bound`], and the same by batches of half the length; they are known once the path
+    /// has lasted for some 50 correlation times. If this is called more than once, all targets must be met.
     ///
-    /// **A path samples only the regions that it visits.** A path that has stayed in one of two wells has a small error of the mean over that well, and
-    /// meets the target. Where a system may have more than one region, run several paths from starts in different ones, and compare their
-    /// means: [`Chains`](super::Chains).
+    /// **A path samples only the regions that it visits.** A path that has stayed in one of two wells has a
+    /// small error of the mean over that well, and meets the target. Where a system may have more than one
+    /// region, run several paths from starts in different ones, and compare their means:
+    /// [`Chains`](super::Chains).
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
         self.targets.push((observable.into(), target));
         self
     }
 
-    /// Ends the run early when `stop` returns true, at a deadline for example. The averages then cover the path so far ([`TimeAverages::is_partial`]).
-    /// It is called about ten times a second. The [handle](Simulation::handle) of the path stops it, too.
+    /// Ends the run early when `stop` returns true, at a deadline for example. The averages then cover the
+    /// path so far ([`TimeAverages::is_partial`]). It is called about ten times a second. The
+    /// [handle](Simulation::handle) of the path stops it, too.
     pub fn stop_when(mut self, stop: impl Fn() -> bool + 'a) -> Self {
         self.stop = Some(Box::new(stop));
         self
@@ -174,8 +179,10 @@ where
     /// Runs the path.
     ///
     /// # Errors
-    /// The errors of [`Simulation::run`]; [`Error::Name`] for the target of an unknown observable, [`Error::Config`] for targets that are not positive, for a time to
-    /// discard that is negative or not finite, and for settings without meaning here: times, sections, observers. `Error::Checkpoint` for a checkpoint that cannot be written or resumed.
+    /// The errors of [`Simulation::run`]; [`Error::Name`] for the target of an unknown observable,
+    /// [`Error::Config`] for targets that are not positive, for a time to discard that is negative or not
+    /// finite, and for settings without meaning here: times, sections, observers. `Error::Checkpoint` for a
+    /// checkpoint that cannot be written or resumed.
     pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
         let Self { simulation, discarded, targets, stop } = self;
         let (simulation, averaged) = simulation.without_path()?;

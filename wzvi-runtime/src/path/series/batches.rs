@@ -1,21 +1,23 @@
 //! Batch means of every size at once.
 //!
-//! The mean of `b = 2^k` neighbours is a value of level `k`, and `V_k` is the variance of the values of that level over their number. Once the batches
-//! are longer than correlations last, `V_k` is the variance of the mean (H. Flyvbjerg, H. G. Petersen, "Error estimates on averages of correlated data",
-//! J. Chem. Phys. 91, 1989); before, it is wrong by a part that falls with `1/b`, and `V_k / V_{k-1} = 1 + r` has the correlation `r` of neighbouring batches
-//! of half that size.
+//! The mean of `b = 2^k` neighbours is a value of level `k`, and `V_k` is the variance of the values of that
+//! level over their number. Once the batches are longer than correlations last, `V_k` is the variance of the
+//! mean (H. Flyvbjerg, H. G. Petersen, "Error estimates on averages of correlated data", J. Chem. Phys. 91,
+//! 1989); before, it is wrong by a part that falls with `1/b`, and `V_k / V_{k-1} = 1 + r` has the
+//! correlation `r` of neighbouring batches of half that size.
 //!
 //! * The error uses the longest batches of which there are [`LEAST`], 8 to 15 of them at any length, and
-//!   takes the part in `1/b` out:
-//!   `V = V_k² / V_{k-1}`. For a correlation that decays as `e^{-t/τ}` this is right to 4 % from `b = 3 τ` on, where `V_k` misses a third; the sign does not
-//!   matter, so that series which oscillate are not measured too long.
+//!   takes the part in `1/b` out: `V = V_k² / V_{k-1}`. For a correlation that decays as `e^{-t/τ}` this is
+//!   right to 4 % from `b = 3 τ` on, where `V_k` misses a third; the sign does not matter, so that series
+//!   which oscillate are not measured too long.
 //! * So few batches are long: a slow part that is small beside a fast one shows in no shorter ones, and no
 //!   test of the shorter ones finds it. More batches where `V_k` seems to have settled would be more exact,
 //!   but `V_k` seems settled most often where it is too small by chance: coverage falls from 94 to 91 % for
 //!   series of 20 correlation times of their slow part.
-//! * Its degrees of freedom: with `a`, `d` the relative errors of the mean squares of sums and of differences of neighbours, which are independent and of variances
-//!   `2/(n - 1)` and `2/n`, `V_{k-1}` is off by `(a + d)/2` and `V` by `(3a - d)/2`: a variance of `5/n`, as of `2n/5` degrees of freedom. Mean and error are then compared by
-//!   Student's t.
+//! * Its degrees of freedom: with `a`, `d` the relative errors of the mean squares of sums and of differences
+//!   of neighbours, which are independent and of variances `2/(n - 1)` and `2/n`, `V_{k-1}` is off by
+//!   `(a + d)/2` and `V` by `(3a - d)/2`: a variance of `5/n`, as of `2n/5` degrees of freedom. Mean and
+//!   error are then compared by Student's t.
 //! * There is no error until the differences of neighbours grow by less than [`STEEPEST`] from batches of an
 //!   eighth of the size to those of half of it. Differences of different sizes are independent of each other
 //!   and of all sums, and the `d` of `V` lowers it: series that pass by chance have an error that is rather
@@ -30,10 +32,10 @@ use crate::ground::numbers::{Numbers, Tape, numbers};
 /// series of 20 correlation times, instead of 91 to 95 %.
 const LEAST: u64 = 8;
 
-/// The largest ratio of `b d²` with the mean square `d²` of differences of neighbouring batches of `b` values, at half and at an eighth of the size. It is one for
-/// independent values and 16 where nothing has been seen to decay; for `e^{-t/τ}` it is 7 at half a size of
-/// `1.7 τ`, in series of 27 to 55 `τ`. Its logarithm has the deviation `√(2/8 + 2/32) = 0.56` at most, of
-/// which `ln 7` is 3.5.
+/// The largest ratio of `b d²` with the mean square `d²` of differences of neighbouring batches of `b`
+/// values, at half and at an eighth of the size. It is one for independent values and 16 where nothing has
+/// been seen to decay; for `e^{-t/τ}` it is 7 at half a size of `1.7 τ`, in series of 27 to 55 `τ`. Its
+/// logarithm has the deviation `√(2/8 + 2/32) = 0.56` at most, of which `ln 7` is 3.5.
 const STEEPEST: f64 = 7.0;
 
 /// The values of a level, and one that waits for its neighbour.
@@ -50,7 +52,8 @@ impl Level {
         self.values.squares() / (count * (count - 1.0))
     }
 
-    /// The mean square of the differences of neighbours over two, with the `pairs` that are their means: of the squares about the mean it is what these leave.
+    /// The mean square of the differences of neighbours over two, with the `pairs` that are their means: of
+    /// the squares about the mean it is what these leave.
     fn half_differences(&self, pairs: &Self) -> f64 {
         let (count, means) = (self.values.count() as f64, &pairs.values);
         let alone = self.waiting.map_or(0.0, |value| (value - means.mean()).powi(2) * (count - 1.0) / count);
@@ -136,9 +139,9 @@ impl BatchMeans {
         self.error().0.sqrt()
     }
 
-    /// The half width of the 95 % interval of Student's t, over 1.96: `mean ± 1.96 error_bound` covers the mean of a stationary series in 95 %,
-    /// although the error itself is estimated, if the series lasts for 40 of its slowest correlation times.
-    /// NaN until it can be known.
+    /// The half width of the 95 % interval of Student's t, over 1.96: `mean ± 1.96 error_bound` covers the
+    /// mean of a stationary series in 95 %, although the error itself is estimated, if the series lasts for
+    /// 40 of its slowest correlation times. NaN until it can be known.
     ///
     /// **A slow part that is hidden below a fast one is not seen in short series**: where it contributes to
     /// the error of the mean and the series has 20 of its correlation times, the interval covers 91 to 95 %,
@@ -161,13 +164,14 @@ impl BatchMeans {
         self.error().1
     }
 
-    /// The integrated autocorrelation time in samples: 1/2 for independent values, less for alternating ones; NaN until it can be known.
+    /// The integrated autocorrelation time in samples: 1/2 for independent values, less for alternating ones;
+    /// NaN until it can be known.
     pub fn time(&self) -> f64 {
         0.5 * self.error().0 * self.count() as f64 / self.variance()
     }
 }
 
-/// Of the 95 % interval of Student's t, over 1.96.
+/// The half width of the 95 % interval of Student's t, over 1.96.
 fn half_width((variance, degrees): (f64, f64)) -> f64 {
     variance.sqrt() * student::quantile(degrees) / student::NORMAL
 }

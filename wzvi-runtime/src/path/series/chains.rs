@@ -7,8 +7,8 @@ use crate::path::Error;
 
 /// The average of an observable over several independent paths, and whether they agree.
 ///
-/// A path that has not left the region of its start has a small error, but of the mean over that region. Paths from starts in different regions then
-/// have different means:
+/// A path that has not left the region of its start has a small error, but of the mean over that region.
+/// Paths from starts in different regions then have different means:
 ///
 /// ```ignore
 /// let run = |start, seed| {
@@ -26,12 +26,15 @@ use crate::path::Error;
 pub struct Chains {
     /// The mean of their means.
     pub mean: f64,
-    /// Its standard error by the spread of their means: also where they disagree, if their starts are drawn by the law of the system.
+    /// Its standard error by the spread of their means: also where they disagree, if their starts are drawn
+    /// by the law of the system.
     pub standard_error: f64,
-    /// `mean ± 1.96 error_bound` is the interval of Student's t, of one degree of freedom less than there are paths.
+    /// `mean ± 1.96 error_bound` is the interval of Student's t, of one degree of freedom less than there are
+    /// paths.
     pub error_bound: f64,
-    /// The difference of their means beyond the errors of the single paths, as a standard normal number: above 1.645 in 5 % of the cases
-    /// where all have the same law (an analysis of variance, in E. Paulson's approximation). NaN while a path is too short to know its error.
+    /// The difference of their means beyond the errors of the single paths, as a standard normal number:
+    /// above 1.645 in 5 % of the cases where all have the same law (an analysis of variance, in E. Paulson's
+    /// approximation). NaN while a path is too short to know its error.
     pub disagreement: f64,
 }
 
@@ -39,7 +42,8 @@ impl Chains {
     /// Compares the averages of the observable with this name.
     ///
     /// # Errors
-    /// [`Error::Name`] for a name that nothing was observed under, [`Error::Config`] for fewer than two paths.
+    /// [`Error::Name`] for a name that nothing was observed under, [`Error::Config`] for fewer than two
+    /// paths.
     pub fn of<V>(name: &str, chains: &[TimeAverages<V>]) -> Result<Self, Error> {
         let averages: Vec<_> = chains.iter().map(|chain| chain.of(name)).collect::<Result<_, _>>()?;
         if averages.len() < 2 {

@@ -8,9 +8,9 @@ use crate::path::trajectory::PathError;
 use crate::path::trajectory::Trajectory;
 use crate::scheme::system::Hamiltonian;
 
-/// Correlations have ended where the mean of `ρ²` over the second half of the window is this many times what it
-/// is without correlations, or less. One is noise alone. A shorter part of the window, or more noise, would end it
-/// where `ρ` changes its sign.
+/// Correlations have ended where the mean of `ρ²` over the second half of the window is this many times what
+/// it is without correlations, or less. One is noise alone. A shorter part of the window, or more noise,
+/// would end it where `ρ` changes its sign.
 const NOISE: f64 = 1.2;
 
 /// The shortest window: half of it has two lags, so that waves that are zero at every second value do not
@@ -65,7 +65,8 @@ impl Autocorrelation {
         Self::of_many(&[values], spacing)
     }
 
-    /// The autocorrelation of several independent series of the same length and law, such as the paths of an ensemble.
+    /// The autocorrelation of several independent series of the same length and law, such as the paths of an
+    /// ensemble.
     ///
     /// # Errors
     /// As [`Autocorrelation::of`], and for series of different lengths.
@@ -88,7 +89,8 @@ impl Autocorrelation {
         if all().zip(all().skip(1)).all(|(value, next)| value == next) {
             return Err(SeriesError::Constant);
         }
-        // In units of powers of two, of the values and of their deviations: neither sums nor squares overflow or vanish.
+        // In units of powers of two, of the values and of their deviations: neither sums nor squares overflow
+        // or vanish.
         let of_values = unit(all().copied());
         let mean = all().map(|x| x / of_values).sum::<f64>() / count as f64;
         let deviation = |x: &f64| x / of_values - mean;
@@ -224,12 +226,12 @@ fn window(rho: &[f64], count: usize) -> Option<usize> {
 }
 
 impl<V: Vector, E> Trajectory<V, E> {
-    /// The autocorrelation of a function of the state along the recorded nodes. Where the interval before the last node is shorter than the others,
-    /// that node is left out.
+    /// The autocorrelation of a function of the state along the recorded nodes. Where the interval before the
+    /// last node is shorter than the others, that node is left out.
     ///
     /// # Errors
-    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] where `record_at` added nodes; [`PathError::Series`] where the path is too
-    /// short for it.
+    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] where `record_at` added nodes;
+    /// [`PathError::Series`] where the path is too short for it.
     pub fn autocorrelation(
         &self,
         observable: impl FnMut(&State<V>) -> f64,
@@ -239,8 +241,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         Autocorrelation::of(&values, spacing).map_err(PathError::Series)
     }
 
-    /// `⟨v(0) · v(t)⟩ / d` with the velocities `v = ∂H/∂p`: the average over all pairs of recorded nodes and over the degrees of freedom. Its integral over
-    /// time is the diffusion coefficient.
+    /// `⟨v(0) · v(t)⟩ / d` with the velocities `v = ∂H/∂p`: the average over all pairs of recorded nodes and
+    /// over the degrees of freedom. Its integral over time is the diffusion coefficient.
     ///
     /// # Errors
     /// As [`Trajectory::autocorrelation`].
@@ -259,8 +261,9 @@ impl<V: Vector, E> Trajectory<V, E> {
         Ok(ByLag { spacing, values })
     }
 
-    /// `⟨|q(t) - q(0)|²⟩`: the average over all pairs of recorded nodes, summed over the degrees of freedom. By Fourier transforms, of the order
-    /// `N log N` (G. R. Kneller, V. Keiner, M. Kneller, M. Schiller, "nMOLDYN: a program package for a neutron scattering oriented analysis of molecular dynamics
+    /// `⟨|q(t) - q(0)|²⟩`: the average over all pairs of recorded nodes, summed over the degrees of freedom.
+    /// By Fourier transforms, of the order `N log N` (G. R. Kneller, V. Keiner, M. Kneller, M. Schiller,
+    /// "nMOLDYN: a program package for a neutron scattering oriented analysis of molecular dynamics
     /// simulations", Comput. Phys. Commun. 91, 1995).
     ///
     /// # Errors

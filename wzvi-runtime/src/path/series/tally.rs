@@ -40,7 +40,7 @@ pub(crate) struct Tally<'a, V> {
 }
 
 impl<'a, V> Tally<'a, V> {
-    /// Of these observables.
+    /// A tally of these observables.
     pub(super) fn new(averaged: Averaged<'a, V>, discarded: f64, targets: &Targets) -> Result<Self, Error> {
         if !(discarded.is_finite() && discarded >= 0.0) {
             return wrong(format!("`discard({})`: take a finite time, 0 or more", Brief(discarded)));

@@ -1,7 +1,8 @@
 //! Temperatures by the equipartition of energy.
 //!
-//! Under the Gibbs measure `⟨p_i ∂H/∂p_i⟩ = ⟨q_i ∂H/∂q_i⟩ = kT` for every degree of freedom, the second where `q_i` is confined (R. C. Tolman, *The
-//! Principles of Statistical Mechanics*, 1938, section 42): a kinetic temperature and a configurational one, which a scheme need not both have.
+//! Under the Gibbs measure `⟨p_i ∂H/∂p_i⟩ = ⟨q_i ∂H/∂q_i⟩ = kT` for every degree of freedom, the second where
+//! `q_i` is confined (R. C. Tolman, *The Principles of Statistical Mechanics*, 1938, section 42): a kinetic
+//! temperature and a configurational one, which a scheme need not both have.
 
 use std::fmt;
 
@@ -16,7 +17,8 @@ use crate::scheme::system::{Discretized, Hamiltonian};
 pub struct Share {
     /// `kT`, in units of energy.
     pub temperature: f64,
-    /// Its standard error, correlations included ([`BatchMeans::standard_error`]); NaN while the path is too short to know it.
+    /// Its standard error, correlations included ([`BatchMeans::standard_error`]); NaN while the path is too
+    /// short to know it.
     pub standard_error: f64,
     /// `temperature ± 1.96 error_bound` covers it in 95 % ([`BatchMeans::error_bound`]).
     pub error_bound: f64,
@@ -30,7 +32,7 @@ impl fmt::Display for Share {
 }
 
 impl Share {
-    /// Of degrees of freedom that have no common temperature.
+    /// The value for degrees of freedom that have no common temperature.
     const NONE: Self = Self { temperature: f64::NAN, standard_error: f64::NAN, error_bound: f64::NAN };
 
     fn of(batches: &BatchMeans) -> Self {
@@ -81,7 +83,8 @@ pub(crate) fn kinetic<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> f
     shared(state.p.components(), system.energy_gradient(state).p.components())
 }
 
-/// `q · ∂H/∂q / d`, whose average is the configurational temperature where the system is confined: an observable.
+/// `q · ∂H/∂q / d`, whose average is the configurational temperature where the system is confined: an
+/// observable.
 pub(crate) fn configurational<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> f64 {
     shared(state.q.components(), system.energy_gradient(state).q.components())
 }

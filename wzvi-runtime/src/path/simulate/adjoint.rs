@@ -1,13 +1,15 @@
 //! The derivative of a function of the end of a run by its start, in one pass backwards.
 //!
-//! The step `Φ` from `z_i` to `z_{i+1}` is symplectic, `Mᵀ J M = J` with `M = Φ'(z_i)`, `J = [[0, 1], [-1, 0]]`. So
+//! The step `Φ` from `z_i` to `z_{i+1}` is symplectic, `Mᵀ J M = J` with `M = Φ'(z_i)`,
+//! `J = [[0, 1], [-1, 0]]`. So
 //!
 //! ```text
 //! λ_i = Mᵀ λ_{i+1} = -J M⁻¹ J λ_{i+1},   M⁻¹ = (Φ⁻¹)'(z_{i+1}),   Φ_h⁻¹ = Φ*_{-h}
 //! ```
 //!
-//! with the adjoint scheme `Φ*` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.3 and VI.2): the transposed matrix takes one derivative
-//! of the step backwards in one direction, for any number of degrees of freedom.
+//! with the adjoint scheme `Φ*` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.3 and
+//! VI.2): the transposed matrix takes one derivative of the step backwards in one direction, for any number
+//! of degrees of freedom.
 
 use super::tangent::{Columns, is_held, ln_scaled, scaled};
 use super::{Simulation, Summation, Unobserved};
@@ -44,12 +46,14 @@ where
     N: Noise,
     S: Summation<H, E>,
 {
-    /// Runs the path, and returns the derivative of a function `g` of its end by its start, from the `gradient` of `g` at the end, with the same increments.
-    /// The cost is one more step in dual numbers of one derivative for each step, whatever the number of degrees of freedom; the run keeps all of its states
-    /// meanwhile. [`Simulation::tangent`] returns the whole matrix instead.
+    /// Runs the path, and returns the derivative of a function `g` of its end by its start, from the
+    /// `gradient` of `g` at the end, with the same increments. The cost is one more step in dual numbers of
+    /// one derivative for each step, whatever the number of degrees of freedom; the run keeps all of its
+    /// states meanwhile. [`Simulation::tangent`] returns the whole matrix instead.
     ///
-    /// `T` is the adjoint scheme, whose step over `-h` undoes that of `E` over `h`: `E` itself for symmetric schemes (`Midpoint`, `Verlet`, `Gauss<S>`, and
-    /// compositions of them), `DeltaMinus` for `DeltaPlus` and the other way round, `Lambda<D - N, D>` for `Lambda<N, D>`. It must be listed for the system, too.
+    /// `T` is the adjoint scheme, whose step over `-h` undoes that of `E` over `h`: `E` itself for symmetric
+    /// schemes (`Midpoint`, `Verlet`, `Gauss<S>`, and compositions of them), `DeltaMinus` for `DeltaPlus` and
+    /// the other way round, `Lambda<D - N, D>` for `Lambda<N, D>`. It must be listed for the system, too.
     ///
     /// ```ignore
     /// use wzvi::prelude::*;
@@ -67,10 +71,10 @@ where
     /// ```
     ///
     /// # Errors
-    /// The errors of [`Simulation::tangent`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting) where steps are not symplectic: with forces,
-    /// friction or a bath, for schemes of the program, and where `T` is not the adjoint of `E`.
-    /// [`StepFailure::OtherSolution`] where the step of `T` backwards does not end where the step began, [`DerivativeError`] where the gradient is
-    /// out of the range of `f64`.
+    /// The errors of [`Simulation::tangent`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting)
+    /// where steps are not symplectic: with forces, friction or a bath, for schemes of the program, and where
+    /// `T` is not the adjoint of `E`. [`StepFailure::OtherSolution`] where the step of `T` backwards does not
+    /// end where the step began, [`DerivativeError`] where the gradient is out of the range of `f64`.
     pub fn adjoint<T>(
         self,
         gradient: impl FnOnce(&State<H::Vector>) -> Gradient<H::Vector>,
@@ -150,8 +154,9 @@ fn are_adjoint<H: Discretized<E> + Discretized<T>, E, T>() -> bool {
     }
 }
 
-/// Whether each part of the step Hamiltonian at a point `l` is at `1 - l` among `theirs`, with the same weight. Counter-terms
-/// are of second order in the increments, which change their signs: their weight `1/2 - l` does, too.
+/// Whether each part of the step Hamiltonian at a point `l` is at `1 - l` among `theirs`, with the same
+/// weight. Counter-terms are of second order in the increments, which change their signs: their weight
+/// `1/2 - l` does, too.
 fn are_mirrored(ours: &[Stage], theirs: &[Stage]) -> bool {
     // Points and weights are fractions of small numbers, rounded.
     let is_same = |a: f64, b: f64| (a - b).abs() < 4.0 * f64::EPSILON;
@@ -167,7 +172,8 @@ fn are_mirrored(ours: &[Stage], theirs: &[Stage]) -> bool {
     ours.iter().all(is_mirrored)
 }
 
-/// `λ_{i+1} → λ_i`, by a step backwards with one derivative; the last lists are scratch for its increments and its end.
+/// `λ_{i+1} → λ_i`, by a step backwards with one derivative; the last lists are scratch for its increments
+/// and its end.
 ///
 /// # Errors
 /// If the step has no solution, or another one.

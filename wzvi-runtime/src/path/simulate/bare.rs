@@ -39,7 +39,8 @@ where
     /// The steps of the run, for the method `what`; whether a handle or a function `may_stop` it.
     ///
     /// # Errors
-    /// [`ConfigError::Setting`](crate::error::ConfigError::Setting) for settings that the method has no use for.
+    /// [`ConfigError::Setting`](crate::error::ConfigError::Setting) for settings that the method has no use
+    /// for.
     pub(crate) fn bare(self, what: &str, may_stop: bool) -> Result<Bare<'a, H, E, N, S::Carry>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
         let Setup {
@@ -94,7 +95,7 @@ impl<'a, H: Discretized<E>, E, N: Noise, C: Carry<f64>> Bare<'a, H, E, N, C> {
         self.run_from(start, take)
     }
 
-    /// The same from another state, at the time of the start.
+    /// The run from another state, at the time of the start.
     ///
     /// # Errors
     /// The first one of a step; [`Error::Stopped`].

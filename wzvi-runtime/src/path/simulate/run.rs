@@ -28,7 +28,8 @@ where
     O: Observer<H::Vector>,
     S: Summation<H, E>,
 {
-    /// [`Simulation::run_partial`] until the observer or `stop` ends the run. Both are asked about ten times a second.
+    /// [`Simulation::run_partial`] until the observer or `stop` ends the run. Both are asked about ten times
+    /// a second.
     pub(crate) fn run_until(
         self,
         stop: Option<&dyn Fn() -> bool>,
@@ -88,7 +89,8 @@ where
             match all.and_then(|()| Ok(path.stepper.arrive(path.state, &nodes.grid)?)) {
                 Ok(()) => break None,
                 Err(Error::Stopped(_)) if nodes.run.observer.has_enough() => break None,
-                // A run that is kept does not start again: its file says that it went this far. Nor do averages, which have seen its nodes.
+                // A run that is kept does not start again: its file says that it went this far. Nor do
+                // averages, which have seen its nodes.
                 Err(error) if O::AVERAGES || nodes.keeper.keeps() || !path.stepper.refine(&error)? => {
                     break Some(error);
                 }
@@ -122,7 +124,8 @@ where
     O: Observer<H::Vector>,
     C: Carry<f64>,
 {
-    // One call for steps of all sizes: with two, what they call would not be inlined (4 to 8 % more instructions in steps of small systems).
+    // One call for steps of all sizes: with two, what they call would not be inlined (4 to 8 % more
+    // instructions in steps of small systems).
     let grid = nodes.grid;
     for (numbers, size) in grid.from(first) {
         path.stepper.resize(size)?;
@@ -192,8 +195,8 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
         self.keeper.next().min(self.shown.next())
     }
 
-    /// Shows the end of the run to the observer, at its time. Averages see it as any node, since a run may go on from there, and only where all
-    /// steps are whole.
+    /// Shows the end of the run to the observer, at its time. Averages see it as any node, since a run may go
+    /// on from there, and only where all steps are whole.
     #[cold]
     fn show_end(&mut self, state: &mut State<V>, dw: &[f64]) {
         let Grid { steps, end, shorter, .. } = self.grid;

@@ -1,7 +1,7 @@
 //! Derivatives of the end of a run by its start, by parameters of the system and by the step size.
 //!
-//! A derivative by the start is a column that every step multiplies by a matrix. Before its numbers leave the range of `f64` it is divided by
-//! a power of two, which changes no digit; the exponents are summed.
+//! A derivative by the start is a column that every step multiplies by a matrix. Before its numbers leave the
+//! range of `f64` it is divided by a power of two, which changes no digit; the exponents are summed.
 
 use std::array::from_fn;
 use std::f64::consts::LN_2;
@@ -29,7 +29,8 @@ use crate::scheme::system::{
 pub(crate) const BESIDE: usize = DEVIATIONS;
 type Number = Dual<BESIDE>;
 
-/// The exponent of two from which a column is scaled. One step, whose matrix is far below `2^500`, does not leave the range of numbers.
+/// The exponent of two from which a column is scaled. One step, whose matrix is far below `2^500`, does not
+/// leave the range of numbers.
 const LARGE: i64 = 500;
 /// Sizes of columns between which no exponent is as large.
 const USUAL_SIZES: std::ops::Range<f64> = 1e-150..1e150;
@@ -44,7 +45,8 @@ pub(super) fn scaled(mut x: f64, mut exponent: i64) -> f64 {
     x
 }
 
-/// Whether `f64` has `size 2^exponent` with all its digits: the largest entry of a column, which is zero only where the whole column is.
+/// Whether `f64` has `size 2^exponent` with all its digits: the largest entry of a column, which is zero only
+/// where the whole column is.
 pub(super) fn is_held(size: f64, exponent: i64) -> bool {
     let size_held = scaled(size, exponent);
     size == 0.0 || (size_held >= f64::MIN_POSITIVE && size_held.is_finite())
@@ -60,13 +62,15 @@ pub(super) fn ln_scaled(size: f64, exponent: i64) -> f64 {
 pub struct Tangent<V> {
     /// The state at the end.
     pub end: State<V>,
-    /// `∂(q, p)(end) / ∂(q, p)(start)`: twice as many rows and columns as there are degrees of freedom, coordinates first. With given increments it is
-    /// symplectic to rounding where the scheme is.
+    /// `∂(q, p)(end) / ∂(q, p)(start)`: twice as many rows and columns as there are degrees of freedom,
+    /// coordinates first. With given increments it is symplectic to rounding where the scheme is.
     pub by_start: DMatrix<f64>,
-    /// `∂(q, p)(end) / ∂θ`, a column for each parameter that [`Simulation::tangent_by`] names; none of [`Simulation::tangent`].
+    /// `∂(q, p)(end) / ∂θ`, a column for each parameter that [`Simulation::tangent_by`] names; none of
+    /// [`Simulation::tangent`].
     pub by_parameters: DMatrix<f64>,
-    /// `∂(q, p)(end) / ∂h` for the same number of steps from the same time, where [`Simulation::tangent_by`] was called. The end moves with `h`,
-    /// unless the last step is shorter: then it stays, and the last step becomes shorter by as much as the others become longer.
+    /// `∂(q, p)(end) / ∂h` for the same number of steps from the same time, where [`Simulation::tangent_by`]
+    /// was called. The end moves with `h`, unless the last step is shorter: then it stays, and the last step
+    /// becomes shorter by as much as the others become longer.
     pub by_step_size: Option<DVector<f64>>,
 }
 
@@ -76,9 +80,10 @@ where
     N: Noise,
     S: Summation<H, E>,
 {
-    /// Runs the path together with the derivative of its end by its start, with the same increments.
-    /// An explicit step is repeated `⌈d/2⌉` times in dual numbers of four derivatives, for `d` degrees of freedom. An implicit one is solved without
-    /// them; its Jacobian at the solution serves all columns, `x' = -J⁻¹ r'` for the equations `r(x) = 0`.
+    /// Runs the path together with the derivative of its end by its start, with the same increments. An
+    /// explicit step is repeated `⌈d/2⌉` times in dual numbers of four derivatives, for `d` degrees of
+    /// freedom. An implicit one is solved without them; its Jacobian at the solution serves all columns,
+    /// `x' = -J⁻¹ r'` for the equations `r(x) = 0`.
     ///
     /// ```ignore
     /// use wzvi::prelude::*;
@@ -92,17 +97,19 @@ where
     /// ```
     ///
     /// # Errors
-    /// The errors of [`Simulation::run`]; [`ConfigError::Setting`] for settings without meaning here: observables, sections, recorded nodes, a checkpoint,
-    /// and what would stop the run. [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do not do that, end
-    /// elsewhere. [`DerivativeError`] where the derivatives by one variable of the start are out of the range of `f64`, as after a long run with
-    /// friction or of a chaotic system: it has the logarithm of their size.
+    /// The errors of [`Simulation::run`]; [`ConfigError::Setting`] for settings without meaning here:
+    /// observables, sections, recorded nodes, a checkpoint, and what would stop the run.
+    /// [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do
+    /// not do that, end elsewhere. [`DerivativeError`] where the derivatives by one variable of the start are
+    /// out of the range of `f64`, as after a long run with friction or of a chaotic system: it has the
+    /// logarithm of their size.
     pub fn tangent(self) -> Result<Tangent<H::Vector>, Error> {
         self.varied(None)
     }
 
-    /// As [`Simulation::tangent`], with the derivatives of the end by parameters of the system and by the step size, for the same increments.
-    /// Parameters are numbers that the Hamiltonians read from the struct, by their names there. Each step takes `⌈(n + 1)/4⌉` more in dual numbers
-    /// for `n` parameters.
+    /// As [`Simulation::tangent`], with the derivatives of the end by parameters of the system and by the
+    /// step size, for the same increments. Parameters are numbers that the Hamiltonians read from the struct,
+    /// by their names there. Each step takes `⌈(n + 1)/4⌉` more in dual numbers for `n` parameters.
     ///
     /// ```ignore
     /// use wzvi::prelude::*;
@@ -119,8 +126,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// The errors of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is not a parameter (an integer has no derivative), and for
-    /// entries of lists in steps that are not in straight lines.
+    /// The errors of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is not a parameter
+    /// (an integer has no derivative), and for entries of lists in steps that are not in straight lines.
     pub fn tangent_by(self, parameters: &[&str]) -> Result<Tangent<H::Vector>, Error> {
         self.varied(Some(parameters))
     }
@@ -146,7 +153,8 @@ where
     }
 }
 
-/// What a column is the derivative by: a coordinate or a momentum of the start, or a parameter, after which the step size comes.
+/// What a column is the derivative by: a coordinate or a momentum of the start, or a parameter, after which
+/// the step size comes.
 #[derive(Clone, Copy)]
 enum By {
     Start(usize),
@@ -225,7 +233,7 @@ impl<H: Discretized<E>, E, K: Constant, const N: usize> Columns<H, E, K, N>
 where
     Dual<N>: Over<K>,
 {
-    /// Of steps of size `h`, from these derivatives of the state.
+    /// Columns for steps of size `h`, from these derivatives of the state.
     pub(crate) fn new(
         system: &H,
         lift: Lift<'_, K>,
@@ -236,7 +244,8 @@ where
         Ok(Self { prepared, h, by_size, q, p, exponents: [0; N], memory: Default::default() })
     }
 
-    /// Goes on with a last step of another size, after so many steps of the run: the end stays where it is when the step size changes.
+    /// Goes on with a last step of another size, after so many steps of the run: the end stays where it is
+    /// when the step size changes.
     pub(crate) fn resize(
         &mut self,
         system: &H,
@@ -261,8 +270,8 @@ where
             .fold(0, |largest, column| if self.size(column) > self.size(largest) { column } else { largest })
     }
 
-    /// Divides columns by powers of two, so that the next step cannot leave the range of numbers. Only where steps multiply them: not
-    /// where constants have derivatives, which steps add.
+    /// Divides columns by powers of two, so that the next step cannot leave the range of numbers. Only where
+    /// steps multiply them: not where constants have derivatives, which steps add.
     pub(crate) fn rescale(&mut self) {
         // The largest of each column at once, as nearly all steps leave them where they are.
         let mut sizes = [0.0_f64; N];
@@ -408,7 +417,8 @@ fn matrix<H: Discretized<E>, E, K: Constant>(
 /// The numbers of parameters with these names.
 ///
 /// # Errors
-/// [`ConfigError::Setting`] for a name that does not exist, for an integer, and for a name that does not name all of what the number is.
+/// [`ConfigError::Setting`] for a name that does not exist, for an integer, and for a name that does not name
+/// all of what the number is.
 fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, ConfigError> {
     let (known, integers): (Vec<&str>, _) =
         ((0..).map_while(|index| system.parameter(index)).map(|(name, _)| name).collect(), system.integers());
@@ -435,7 +445,8 @@ fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, Conf
     names.iter().map(find).collect()
 }
 
-/// Whether two names may be those of one number, or of two: the same name, or entries of one list of which an index is not a number.
+/// Whether two names may be those of one number, or of two: the same name, or entries of one list of which an
+/// index is not a number.
 fn are_alike(a: &str, b: &str) -> bool {
     let list = |name: &str| name.split_once('[').map(|(list, _)| list.to_owned());
     let is_open =

@@ -6,8 +6,8 @@
 //! work = Σ_i b_i (h f · v + h ∂H/∂t + Σ_k ΔW_k {H_k, H})(z(θ_i)),   heat = -h Σ_i b_i γ p · v,   v = ∂H/∂p
 //! ```
 //!
-//! With a bath, whose noise makes momenta rough inside the step, the force is that in the middle and works along the way `Δq`, and explicit time is
-//! `H(t + h) - H(t)` there.
+//! With a bath, whose noise makes momenta rough inside the step, the force is that in the middle and works
+//! along the way `Δq`, and explicit time is `H(t + h) - H(t)` there.
 
 use crate::algebra::state::{State, Vector, copy_state, dot};
 use crate::scheme::dense::DenseOutput;
@@ -24,7 +24,8 @@ pub(super) struct Ledger<V> {
     force: V,
     drift: Gradient<V>,
     noise: Gradient<V>,
-    /// Nodes and weights: those of the stages of a Gauss method, so that work is of the order that its steps have.
+    /// Nodes and weights: those of the stages of a Gauss method, so that work is of the order that its steps
+    /// have.
     quadrature: (Vec<f64>, Vec<f64>),
 }
 
@@ -104,8 +105,8 @@ impl<V: Vector> Ledger<V> {
         Exchange { work, heat: 0.0 }
     }
 
-    /// The gradient of the energy where it is looked at, and what noises gain it there, `Σ_k ΔW_k {H_k, H}`. After these increments come
-    /// those of a bath.
+    /// The gradient of the energy where it is looked at, and what noises gain it there, `Σ_k ΔW_k {H_k, H}`.
+    /// After these increments come those of a bath.
     fn differentiate<H: Hamiltonian<Vector = V>>(&mut self, system: &H, dw: &[f64]) -> f64 {
         let Self { at, drift, noise, .. } = self;
         let [by_q, by_p] = [&mut drift.q, &mut drift.p].map(Vector::components_mut);
@@ -119,7 +120,8 @@ impl<V: Vector> Ledger<V> {
     }
 }
 
-/// `h ∂H/∂t`, by a difference over the part of a step that makes truncation and rounding alike: exactly zero without explicit time.
+/// `h ∂H/∂t`, by a difference over the part of a step that makes truncation and rounding alike: exactly zero
+/// without explicit time.
 fn by_time<H: Hamiltonian>(system: &H, at: &State<H::Vector>, h: f64) -> f64 {
     let apart = f64::EPSILON.cbrt();
     let (q, p) = (at.q.components(), at.p.components());

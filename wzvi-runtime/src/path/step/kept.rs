@@ -1,4 +1,4 @@
-//! What of a stepper a checkpoint keeps.
+//! The state of a stepper in a checkpoint.
 
 use super::{Clock, Stepper};
 use crate::algebra::carry::Carry;

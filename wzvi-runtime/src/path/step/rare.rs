@@ -1,7 +1,7 @@
 //! Steps that do not begin where the last one ended, or that the fast method does not solve: out of line.
 //!
-//! Everything goes there and comes back by value, because state and stepper stay in registers only where no function is given their
-//! address.
+//! Everything goes there and comes back by value, because state and stepper stay in registers only where no
+//! function is given their address.
 
 use crate::algebra::carry::Carry;
 use crate::algebra::memory::StepMemory;
@@ -13,7 +13,8 @@ type Outcome<H, E, C> = Result<Arrived<H, E, C>, Refused<MemoryOf<H, E, f64>>>;
 
 /// Why a step is none of the usual ones.
 pub(super) enum Cause<M> {
-    /// The last step is no guide: the state was moved, and the memory has forgotten that step, or it was hard.
+    /// The last step is no guide: the state was moved, and the memory has forgotten that step, or it was
+    /// hard.
     Unguided(M),
     /// The fast method failed.
     Failed(StepFailure),

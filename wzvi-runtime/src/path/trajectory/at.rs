@@ -1,8 +1,9 @@
 //! The state of a recorded path at any time, by a step of the scheme from the node before.
 //!
-//! The step from the node at `t_n` to a time `t < t_{n+1}` has the size `t - t_n`, and the error of one step. With noise its increments are
-//! `W(t) - W(t_n)` of the path that drove the run: the Brownian bridge of the step ([`Noise::increments_within`]). The state is then another than that
-//! of [dense output](crate::scheme::dense), which follows the straight line from node to node of each `W_k`.
+//! The step from the node at `t_n` to a time `t < t_{n+1}` has the size `t - t_n`, and the error of one step.
+//! With noise its increments are `W(t) - W(t_n)` of the path that drove the run: the Brownian bridge of the
+//! step ([`Noise::increments_within`]). The state is then another than that of [dense
+//! output](crate::scheme::dense), which follows the straight line from node to node of each `W_k`.
 
 use super::Trajectory;
 use crate::algebra::memory::Threads;
@@ -26,8 +27,9 @@ pub struct States<'p, H: Discretized<E>, E, N = NoNoise> {
 }
 
 impl<V: Vector, E> Trajectory<V, E> {
-    /// The state at time `t` (time units of the Hamiltonian), between the first and the last node, without noise: that of a node, or that of a step of
-    /// the scheme from the node before to `t`. Its error is of the order of the scheme.
+    /// The state at time `t` (time units of the Hamiltonian), between the first and the last node, without
+    /// noise: that of a node, or that of a step of the scheme from the node before to `t`. Its error is of
+    /// the order of the scheme.
     ///
     /// ```ignore
     /// let path = pendulum.simulate::<Verlet>(0.01).start(start).until(10.0).run()?;
@@ -40,7 +42,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.at(system).state(t)
     }
 
-    /// Asks for states of the path at any time; `system` is the one of the run. With noise, its source is needed again:
+    /// Asks for states of the path at any time; `system` is the one of the run. With noise, its source is
+    /// needed again:
     ///
     /// ```ignore
     /// let path = kubo.simulate::<Midpoint>(0.02).start(start).noise(Wiener::seed(7)).until(10.0).run()?;
@@ -71,21 +74,24 @@ impl<V: Vector, E> Trajectory<V, E> {
 }
 
 impl<'p, H: Discretized<E>, E, N: Noise> States<'p, H, E, N> {
-    /// The source of the increments of the run. It is asked for the path of each noise inside of a step, which [`Wiener`](crate::noise::Wiener),
-    /// [`WongZakai`](crate::noise::WongZakai) and [`StepNormals`](crate::noise::StepNormals) know. States at several times are on one path.
+    /// The source of the increments of the run. It is asked for the path of each noise inside of a step,
+    /// which [`Wiener`](crate::noise::Wiener), [`WongZakai`](crate::noise::WongZakai) and
+    /// [`StepNormals`](crate::noise::StepNormals) know. States at several times are on one path.
     pub fn noise<M: Noise>(self, noise: M) -> States<'p, H, E, M> {
         States { path: self.path, system: self.system, noise: Some(noise) }
     }
 
     /// The state at time `t`.
     ///
-    /// A step that was halved in the run ([`Retry`]) is halved here where it fails, as often as steps of the run were.
+    /// A step that was halved in the run ([`Retry`]) is halved here where it fails, as often as steps of the
+    /// run were.
     ///
     /// # Errors
-    /// * [`PathError::Outside`] for a time outside of the path, [`PathError::Unrecorded`] where the node before it was not recorded,
-    ///   [`PathError::System`] if the path is not one of the system.
+    /// * [`PathError::Outside`] for a time outside of the path, [`PathError::Unrecorded`] where the node
+    ///   before it was not recorded, [`PathError::System`] if the path is not one of the system.
     /// * [`Error::Config`] where the system has noise and none was given.
-    /// * [`Error::Noise`] of a source that has no increments inside of a step, and of one that did not drive the run.
+    /// * [`Error::Noise`] of a source that has no increments inside of a step, and of one that did not drive
+    ///   the run.
     /// * [`Error::Step`] if the step fails.
     pub fn state(&mut self, t: f64) -> Result<State<H::Vector>, Error> {
         let (path, system) = (self.path, self.system);
@@ -119,7 +125,8 @@ impl<'p, H: Discretized<E>, E, N: Noise> States<'p, H, E, N> {
 }
 
 impl<H: Discretized<E>, E, N: Noise> States<'_, H, E, N> {
-    /// The noise inside of a step of this size from the recorded state `index` on; none of a system without noise.
+    /// The noise inside of a step of this size from the recorded state `index` on; none of a system without
+    /// noise.
     ///
     /// # Errors
     /// The errors of [`States::state`].

@@ -13,8 +13,8 @@ pub enum PathError {
         /// What `record_every` was.
         every: u64,
     },
-    /// The recorded nodes are not evenly spaced: the last is not a multiple of `record_every` steps from the start, other nodes are recorded,
-    /// or the last step is shorter.
+    /// The recorded nodes are not evenly spaced: the last is not a multiple of `record_every` steps from the
+    /// start, other nodes are recorded, or the last step is shorter.
     Uneven {
         /// What `record_every` was.
         every: u64,

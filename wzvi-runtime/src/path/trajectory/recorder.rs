@@ -28,8 +28,8 @@ pub(crate) struct Recorder<V> {
 }
 
 impl<V: Vector> Recorder<V> {
-    /// Makes room for the whole path at once, so that steps allocate nothing and a path too long for the memory is
-    /// refused before it runs.
+    /// Makes room for the whole path at once, so that steps allocate nothing and a path too long for the
+    /// memory is refused before it runs.
     pub(crate) fn new(
         start: &State<V>,
         h: f64,
@@ -96,7 +96,8 @@ impl<V: Vector> Recorder<V> {
         self.path.every == 0
     }
 
-    /// Keeps the node just reached if it is to be recorded; whether it is. The last node is kept by [`Recorder::finish`].
+    /// Keeps the node just reached if it is to be recorded; whether it is. The last node is kept by
+    /// [`Recorder::finish`].
     #[inline]
     pub(crate) fn reach(&mut self, state: &State<V>) -> bool {
         let due = self.path.steps == self.next;
@@ -112,7 +113,8 @@ impl<V: Vector> Recorder<V> {
         self.recording.between.get(self.inside).copied()
     }
 
-    /// Keeps the state at that time, in the step that was taken last, which has these increments left after it.
+    /// Keeps the state at that time, in the step that was taken last, which has these increments left after
+    /// it.
     pub(crate) fn keep_inside(&mut self, state: &State<V>, rest: impl Fn(usize) -> f64) {
         self.path.states.push(state.clone());
         for (process, sum) in self.pending.iter_mut().enumerate() {

@@ -1,5 +1,5 @@
-//! Trajectories in the formats of `serde`. No state has a NaN or an infinity, and those of observables and energies are texts in
-//! formats without them ([`crate::ground::loose`]).
+//! Trajectories in the formats of `serde`. No state has a NaN or an infinity, and those of observables and
+//! energies are texts in formats without them ([`crate::ground::loose`]).
 
 use std::marker::PhantomData;
 

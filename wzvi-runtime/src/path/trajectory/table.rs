@@ -51,7 +51,8 @@ impl<V: Vector, E> Trajectory<V, E> {
 }
 
 impl<V: Vector, E> PathTable<'_, V, E> {
-    /// Adds the drift Hamiltonian and the proven first integrals of the system at each node, in their own units.
+    /// Adds the drift Hamiltonian and the proven first integrals of the system at each node, in their own
+    /// units.
     pub fn energies<H: Hamiltonian<Vector = V>>(mut self, system: &H) -> Self {
         self.push("energy", |state| system.energy(state));
         for index in 0..system.invariants() {
@@ -78,8 +79,8 @@ impl<V: Vector, E> PathTable<'_, V, E> {
         self.table
     }
 
-    /// Comma-separated values with the names in the first line; numbers come back to the last bit. The folder of the file is made if it
-    /// is not there, and the file appears complete or not at all.
+    /// Comma-separated values with the names in the first line; numbers come back to the last bit. The folder
+    /// of the file is made if it is not there, and the file appears complete or not at all.
     ///
     /// # Errors
     /// [`FileError`] if it cannot be written.
@@ -87,9 +88,9 @@ impl<V: Vector, E> PathTable<'_, V, E> {
         self.write(file.as_ref(), |table, file| table.write_csv(file))
     }
 
-    /// JSON records, an object for each node: `[{"t":0.0,"q":0.0,"p":1.0}, ...]`. Observables and energies that are NaN or infinite are `null`,
-    /// as data frames expect; CSV and Parquet files have their values. The folder and
-    /// the file as with [`PathTable::write_csv`].
+    /// JSON records, an object for each node: `[{"t":0.0,"q":0.0,"p":1.0}, ...]`. Observables and energies
+    /// that are NaN or infinite are `null`, as data frames expect; CSV and Parquet files have their values.
+    /// The folder and the file as with [`PathTable::write_csv`].
     ///
     /// # Errors
     /// [`FileError`] if it cannot be written.
@@ -97,7 +98,8 @@ impl<V: Vector, E> PathTable<'_, V, E> {
         self.write(file.as_ref(), |table, file| table.write_json_records(file))
     }
 
-    /// A Parquet file with a column of `DOUBLE`s each. The folder and the file as with [`PathTable::write_csv`].
+    /// A Parquet file with a column of `DOUBLE`s each. The folder and the file as with
+    /// [`PathTable::write_csv`].
     ///
     /// # Errors
     /// [`FileError`] if it cannot be written.

@@ -1,6 +1,7 @@
 //! The O part where rates and masses are lists: `p <- E p + R ξ` for each momentum separately.
 //!
-//! The heat is summed in blocks, and the block sums in order, so that it does not depend on the number of places computed at once.
+//! The heat is summed in blocks, and the block sums in order, so that it does not depend on the number of
+//! places computed at once.
 
 use std::array::from_fn;
 use std::ops::{Mul, Range};
@@ -20,7 +21,8 @@ pub(super) struct Diagonal<N = f64> {
     pub(super) deviation: Vec<N>,
     /// `M⁻¹`
     pub(super) inverse_mass: Vec<N>,
-    /// Where temperatures depend on the time: the weights of those at the start and at the end of an O part in `R² / h`, [`Bath::ramp`](super::modes::Bath::ramp). `R` is then that of a step.
+    /// Where temperatures depend on the time: the weights of those at the start and at the end of an O part
+    /// in `R² / h`, [`Bath::ramp`](super::modes::Bath::ramp). `R` is then that of a step.
     pub(super) ramp: Option<[Vec<N>; 2]>,
 }
 
@@ -48,7 +50,8 @@ pub(super) const BLOCK: usize = crate::scheme::elements::BLOCK;
 const BESIDE: usize = 8;
 
 impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
-    /// With `deviation`, moves all momenta, between two drifts over the time `drift` if there is one; returns the heat.
+    /// With `deviation`, moves all momenta, between two drifts over the time `drift` if there is one; returns
+    /// the heat.
     ///
     /// # Errors
     /// None of its own: those of [`Momenta::relax`].

@@ -6,7 +6,8 @@ use crate::algebra::solve::relative_to;
 /// The most sweeps of rotations, more than enough: convergence is quadratic from the third on.
 const MOST_SWEEPS: usize = 30;
 
-/// The rotation that makes the entry `between` of a symmetric matrix zero, as cosine and sine: the smaller of the two angles.
+/// The rotation that makes the entry `between` of a symmetric matrix zero, as cosine and sine: the smaller of
+/// the two angles.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn rotation<S: Scalar>(first: S, between: S, second: S) -> (S, S) {
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
@@ -28,8 +29,9 @@ fn turn_columns<S: Scalar>(matrix: &mut [S], d: usize, [j, k]: [usize; 2], (cosi
     }
 }
 
-/// `A = V Λ Vᵀ` by cyclic rotations (C. G. J. Jacobi; G. H. Golub, C. F. Van Loan, *Matrix Computations*, section 8.5): `a` becomes
-/// diagonal, `v` gets the eigenvectors as columns. Zero rows of `a` remain exactly zero, with a unit vector as eigenvector.
+/// `A = V Λ Vᵀ` by cyclic rotations (C. G. J. Jacobi; G. H. Golub, C. F. Van Loan, *Matrix Computations*,
+/// section 8.5): `a` becomes diagonal, `v` gets the eigenvectors as columns. Zero rows of `a` remain exactly
+/// zero, with a unit vector as eigenvector.
 pub(super) fn diagonalise<S: Scalar>(a: &mut [S], v: &mut [S], d: usize) {
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
     v.fill(zero);
@@ -67,8 +69,8 @@ pub(super) fn diagonalise<S: Scalar>(a: &mut [S], v: &mut [S], d: usize) {
     }
 }
 
-/// The lower triangular `R` with a diagonal that is not negative and `R Rᵀ = G Gᵀ`, in place of `G`: the Cholesky factor without forming
-/// the product, accurate even where the product is singular.
+/// The lower triangular `R` with a diagonal that is not negative and `R Rᵀ = G Gᵀ`, in place of `G`: the
+/// Cholesky factor without forming the product, accurate even where the product is singular.
 pub(super) fn triangularise<S: Scalar>(g: &mut [S], d: usize) {
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
     for i in 0..d {
@@ -88,7 +90,8 @@ pub(super) fn triangularise<S: Scalar>(g: &mut [S], d: usize) {
     }
 }
 
-/// The lower triangular `C` with `A = C Cᵀ`, in place of `A`; `false` unless `A` is positive definite. Entries above the diagonal become zero.
+/// The lower triangular `C` with `A = C Cᵀ`, in place of `A`; `false` unless `A` is positive definite.
+/// Entries above the diagonal become zero.
 pub(super) fn cholesky<S: Scalar>(a: &mut [S], d: usize) -> bool {
     let zero = S::from_f64(0.0);
     for j in 0..d {

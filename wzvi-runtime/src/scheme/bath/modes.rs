@@ -1,4 +1,5 @@
-//! The modes of a friction matrix: `A = Cᵀ Γ C = V Λ Vᵀ` and `W = N V`, as in [`relaxation`](super::relaxation).
+//! The modes of a friction matrix: `A = Cᵀ Γ C = V Λ Vᵀ` and `W = N V`, as in
+//! [`relaxation`](super::relaxation).
 
 use super::matrix::{cholesky, diagonalise, inverse_transposed, triangularise};
 use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
@@ -53,8 +54,9 @@ impl<K: Constant> Bath<K> {
         }
     }
 
-    /// `E` of a mode, and the weights of the temperatures at the start and at the end of the O part in the variance of its noise, `R² M⁻¹ / h`. With
-    /// `c = e^{-x}`, `x = s λ`, and a temperature that is linear in between,
+    /// `E` of a mode, and the weights of the temperatures at the start and at the end of the O part in the
+    /// variance of its noise, `R² M⁻¹ / h`. With `c = e^{-x}`, `x = s λ`, and a temperature that is linear in
+    /// between,
     ///
     /// ```text
     /// ∫ 2 λ T(u) e^{-2 λ (s - u)} du = T_0 ((1 - c²)/(2 x) - c²) + T_1 (1 - (1 - c²)/(2 x))
@@ -90,7 +92,8 @@ impl<K: Constant> Bath<K> {
     }
 }
 
-/// `1 - (1 - e^{-y})/y` for `y` that is not negative: below 1 by its series, since the difference would lose digits.
+/// `1 - (1 - e^{-y})/y` for `y` that is not negative: below 1 by its series, since the difference would lose
+/// digits.
 fn averaged<S: Scalar>(y: S) -> S {
     // y/2! - y²/3! + y³/4! - ...: the first term that is left out is below 1/20!.
     let (mut series, mut term) = (S::from_f64(0.0), y * 0.5);

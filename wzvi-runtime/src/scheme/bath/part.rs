@@ -144,8 +144,9 @@ pub struct Memory<S> {
     pub(super) heats: Vec<S>,
 }
 
-/// What the temperatures of a step give its O parts, where they depend on the time or on the place of a friction that does: for each part the numbers `R / √h` of the
-/// degrees of freedom or modes, or the temperatures at its start and those at its end.
+/// What the temperatures of a step give its O parts, where they depend on the time or on the place of a
+/// friction that does: for each part the numbers `R / √h` of the degrees of freedom or modes, or the
+/// temperatures at its start and those at its end.
 #[derive(Debug, Default)]
 struct Driving<S> {
     numbers: Vec<S>,
@@ -231,11 +232,13 @@ impl<S: Scalar> Memory<S> {
         }
     }
 
-    /// The O parts of a step of size `h` from `t`, driven by `normals`. Allocates in the first step only, and only where the system does not know its size.
+    /// The O parts of a step of size `h` from `t`, driven by `normals`. Allocates in the first step only, and
+    /// only where the system does not know its size.
     ///
     /// # Errors
-    /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature;
-    /// [`StepFailure::Bath`] as [`prepare`]; in the first step, those of [`Hamiltonian::check`](crate::scheme::system::Hamiltonian::check).
+    /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none
+    /// without temperature; [`StepFailure::Bath`] as [`prepare`]; in the first step, those of
+    /// [`Hamiltonian::check`](crate::scheme::system::Hamiltonian::check).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn parts<'m, T: Elements, K: Constant>(
         &'m mut self,
@@ -293,7 +296,8 @@ fn same<A: Any, B: Any>(value: &A) -> Option<&B> {
     (value as &dyn Any).downcast_ref()
 }
 
-/// Whether temperatures act step by step: where they depend on the time, and where they differ and friction is that of a place.
+/// Whether temperatures act step by step: where they depend on the time, and where they differ and friction
+/// is that of a place.
 const fn drives<T: Elements>() -> bool {
     let friction = Damped::<T>::FRICTION;
     friction.is_timed || (friction.has_temperatures && friction.is_per_state)
@@ -317,7 +321,7 @@ pub(super) struct Parts<'m, T, K, S> {
     relaxation: &'m Relaxation<K>,
     normals: &'m [S],
     per_part: usize,
-    /// Those of all parts: [`Driving`].
+    /// The temperatures of all parts: [`Driving`].
     driving: &'m [S],
     parts: usize,
     room: &'m mut Room<S>,
@@ -350,11 +354,12 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         self.relaxation.diagonal().is_some()
     }
 
-    /// [Applies](Relaxation::apply) part number `part`, between two drifts over the time `drift` if there is one; returns its heat.
+    /// [Applies](Relaxation::apply) part number `part`, between two drifts over the time `drift` if there is
+    /// one; returns its heat.
     ///
     /// # Errors
-    /// [`StepFailure::Bath`] where friction is negative; `p` is then unspecified. [`StepPromise::ListedRates`] for drifts where rates and
-    /// masses are not lists.
+    /// [`StepFailure::Bath`] where friction is negative; `p` is then unspecified.
+    /// [`StepPromise::ListedRates`] for drifts where rates and masses are not lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply<C: Carry<S>>(
         &mut self,
@@ -379,7 +384,8 @@ pub(crate) struct ByPlace<'m> {
     per_part: usize,
     /// `R / √h` of all parts in this step; empty if it is that of the law.
     driving: &'m [f64],
-    /// The bits of the heats of the `parts` of each block: threads share the list, but each writes to its own blocks.
+    /// The bits of the heats of the `parts` of each block: threads share the list, but each writes to its own
+    /// blocks.
     blocks: &'m [AtomicU64],
     /// The bits of the heats of the degrees of freedom, likewise; empty where they share one bath.
     by_degree: &'m [AtomicU64],
@@ -387,8 +393,8 @@ pub(crate) struct ByPlace<'m> {
 }
 
 impl ByPlace<'_> {
-    /// Applies a part to `places`, from the first of a block on, between two drifts if coordinates are given. `lost` is what rounding took from
-    /// the momenta, if it `CARRIES` that.
+    /// Applies a part to `places`, from the first of a block on, between two drifts if coordinates are given.
+    /// `lost` is what rounding took from the momenta, if it `CARRIES` that.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn apply<const CARRIES: bool>(
         &self,

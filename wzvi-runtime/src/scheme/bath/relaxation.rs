@@ -1,6 +1,7 @@
 //! Friction and noise alone, an Ornstein-Uhlenbeck process: `p <- E p + R ξ`.
 //!
-//! With `M⁻¹ = C Cᵀ` and `N = C⁻ᵀ`, so that `M = N Nᵀ`, the friction `A = Cᵀ Γ C = V Λ Vᵀ` is symmetric, and with `W = N V` and the time `s`
+//! With `M⁻¹ = C Cᵀ` and `N = C⁻ᵀ`, so that `M = N Nᵀ`, the friction `A = Cᵀ Γ C = V Λ Vᵀ` is symmetric, and
+//! with `W = N V` and the time `s`
 //!
 //! ```text
 //! E = exp(-s Γ M⁻¹) = W exp(-s Λ) W⁻¹ = e^{-s μ} (1 - W (1 - exp(-s (Λ - μ))) W⁻¹),   W⁻¹ = Vᵀ Cᵀ,   μ the smallest of Λ
@@ -9,7 +10,8 @@
 //!
 //! [`Decay::Cayley`] has `E = (1 + s Γ M⁻¹/2)⁻¹ (1 - s Γ M⁻¹/2)` instead of the exponential.
 //!
-//! There is no cancellation at small or large friction, and undamped degrees of freedom keep their momenta to the last bit.
+//! There is no cancellation at small or large friction, and undamped degrees of freedom keep their momenta to
+//! the last bit.
 
 use std::ops::Mul;
 
@@ -22,14 +24,15 @@ use crate::algebra::scalar::{Constant, Mask as _, Over, Scalar};
 use crate::error::{BathError, StepFailure, StepPromise};
 use crate::scheme::elements::{Elements, PairColumns};
 
-/// The constants of an O part, which do not depend on the state. Lists have one number per degree of freedom; matrices are row-major.
+/// The constants of an O part, which do not depend on the state. Lists have one number per degree of freedom;
+/// matrices are row-major.
 #[derive(Clone, Debug)]
 pub(super) enum Relaxation<K = f64> {
     /// No friction.
     Still,
     /// Rates and masses as lists.
     Diagonal(Diagonal<K>),
-    /// The same as matrices, of one system.
+    /// Rates and masses as matrices, of one system.
     Matrix {
         decay: Vec<K>,
         deviation: Vec<K>,
@@ -164,12 +167,13 @@ impl<K: Constant> Relaxation<K> {
         if let Self::Diagonal(law) = self { Some(law) } else { None }
     }
 
-    /// Moves the momenta, and the coordinates by a drift over the time `drift` before and one after; returns the heat, the gain of kinetic
-    /// energy. Lanes do not account for it. `driving` is what the temperatures of the step give the part, where they do.
+    /// Moves the momenta, and the coordinates by a drift over the time `drift` before and one after; returns
+    /// the heat, the gain of kinetic energy. Lanes do not account for it. `driving` is what the temperatures
+    /// of the step give the part, where they do.
     ///
     /// # Errors
-    /// [`BathError::Friction`] where friction is negative; `p` is then unspecified. [`StepPromise::ListedRates`] for drifts where rates and
-    /// masses are not lists, or sums are compensated.
+    /// [`BathError::Friction`] where friction is negative; `p` is then unspecified.
+    /// [`StepPromise::ListedRates`] for drifts where rates and masses are not lists, or sums are compensated.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply<T: Elements, S: Over<K>, C: Carry<S>>(
         &self,
@@ -209,7 +213,8 @@ impl<K: Constant> Relaxation<K> {
 }
 
 impl Relaxation {
-    /// Gathers systems in lanes: if rates and masses of all are lists and no temperature depends on the time, or none has friction.
+    /// Gathers systems in lanes: if rates and masses of all are lists and no temperature depends on the time,
+    /// or none has friction.
     pub(super) fn gather<const L: usize>(of_lanes: [&Self; L]) -> Option<Relaxation<Lanes<L>>> {
         if of_lanes.iter().all(|law| law.is_still()) {
             return Some(Relaxation::Still);
@@ -238,8 +243,8 @@ impl<S: Scalar> Momenta<'_, S> {
         (0..=i).fold(number, |sum, j| sum + of_normal(self.normals, j) * row[j])
     }
 
-    /// `p <- E p + R ξ` by degree of freedom, with compensation, and `q` by a drift before and one after if there is a time for them; returns the
-    /// heat.
+    /// `p <- E p + R ξ` by degree of freedom, with compensation, and `q` by a drift before and one after if
+    /// there is a time for them; returns the heat.
     ///
     /// # Errors
     /// The errors of the `constants` `E`, `R / √h` and `M⁻¹`.
@@ -359,7 +364,7 @@ fn rates_of_diagonal<K: Constant>(gamma: &[K], inverse_mass: &[K]) -> Result<Vec
     let d = inverse_mass.len();
     check_diagonal(gamma, d)?;
     let rate = |(degree, inverse): (usize, &K)| match gamma[degree * d + degree].vanishes().all() {
-        // Of a degree of freedom that has no friction, any mass will do.
+        // A degree of freedom without friction may have any mass.
         true => K::from_f64(0.0),
         false => gamma[degree * d + degree] * *inverse,
     };
@@ -472,7 +477,8 @@ fn negative(rate: f64) -> StepFailure {
 }
 
 impl<K: Constant> Frozen<K> {
-    /// Decay and noise of a mode with this rate, as [`Bath::mode`]; at the temperatures of both ends of the part, if there are any.
+    /// Decay and noise of a mode with this rate, as [`Bath::mode`]; at the temperatures of both ends of the
+    /// part, if there are any.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn mode<S: Over<K>>(&self, rate: S, ends: Option<[S; 2]>) -> Result<(S, S), StepFailure> {
         refuse_negative(rate).map_err(negative)?;

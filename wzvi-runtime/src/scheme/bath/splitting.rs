@@ -1,7 +1,7 @@
 //! Kicks, drifts and O parts in turn: [`Baoab`], [`Obabo`], [`Gjf`] and [`GjI`].
 //!
-//! Kicks and drifts are the flows of [`compose::flows`](crate::scheme::compose), with the increments of the noises; the force at the end of a step is that at the
-//! start of the next.
+//! Kicks and drifts are the flows of [`compose::flows`](crate::scheme::compose), with the increments of the
+//! noises; the force at the end of a step is that at the start of the next.
 //!
 //! For a system with friction and [`Field`], of the form `T(p) + V(q, t)`.
 
@@ -27,7 +27,8 @@ use crate::scheme::system::{
     At, Exchange, Hamiltonian as _, Lift, Movable, Properties, Scheme, fits, varied_without_lists,
 };
 
-/// A word of kicks, drifts and O parts, and how they are applied: a letter, a tuple of letters, or a scheme with a name.
+/// A word of kicks, drifts and O parts, and how they are applied: a letter, a tuple of letters, or a scheme
+/// with a name.
 pub trait Letters {
     /// Its letters, in the order of the step.
     const LETTERS: &'static [Part];
@@ -72,7 +73,7 @@ pub struct Prepared<P, K> {
     parameters: P,
     /// All parts of a step.
     apart: Stages<Act>,
-    /// The same with O parts between drifts [joined]: for lists of masses, unless a noise drifts too.
+    /// All parts, with O parts between drifts [joined]: for lists of masses, unless a noise drifts too.
     joined: Stages<Act>,
     /// Kicks and drifts alone, neighbours of one kind merged: for systems without friction.
     still: Stages<Act>,
@@ -104,7 +105,8 @@ where
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
     type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, K>;
-    /// That of the O parts, then that of the flows: the other way round a step of three degrees of freedom takes 4 % longer.
+    /// The memory of the O parts, then the memory of the flows: the other way round a step of three degrees
+    /// of freedom takes 4 % longer.
     type Memory<S: Scalar> = (part::Memory<S>, stages::Memory<S, F::Shape>);
     type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
     type Carry<S: Scalar> = Plain;
@@ -202,16 +204,18 @@ where
     }
 }
 
-/// The factor `s = √(tanh(γh/2)/(γh/2))` of the time in kicks and drifts of [`GjI`], with which `s² (1 + c)/(1 - c) = 2/(γh)` for `c = e^{-γh}`: the diffusion of a
-/// free particle is right.
+/// The factor `s = √(tanh(γh/2)/(γh/2))` of the time in kicks and drifts of [`GjI`], with which
+/// `s² (1 + c)/(1 - c) = 2/(γh)` for `c = e^{-γh}`: the diffusion of a free particle is right.
 ///
 /// # Errors
-/// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] with noises, whose increments would be shortened, too.
+/// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] with noises,
+/// whose increments would be shortened, too.
 fn shortened<T: Elements, K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> Result<K, ConfigError> {
     if system.noises() > 0 {
         return wrong("`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`");
     }
-    // If the size is unknown, one degree of freedom is enough to read the rate; the first step compares it with the others.
+    // If the size is unknown, one degree of freedom is enough to read the rate; the first step compares it
+    // with the others.
     let parameters = varied_without_lists(system, lift)?;
     let rate = part::rate((system, &*parameters), system.degrees().max(1)).map_err(ConfigError::Bath)?;
     let x = h * 0.5 * rate;

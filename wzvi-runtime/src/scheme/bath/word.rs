@@ -1,11 +1,13 @@
 //! Splittings as words of letters: `Splitting<(B, A, O, A, B)>`.
 //!
-//! A drift [`A`] is the flow of `T(p)`, a kick [`B`] that of `V(q, t)`, and an [`O`] part friction and noise of the bath. Letters of one kind have equal
-//! shares of the step unless shares are given: `A<1, 4>` is a drift over a quarter of it. O parts always have equal shares.
+//! A drift [`A`] is the flow of `T(p)`, a kick [`B`] that of `V(q, t)`, and an [`O`] part friction and noise
+//! of the bath. Letters of one kind have equal shares of the step unless shares are given: `A<1, 4>` is a
+//! drift over a quarter of it. O parts always have equal shares.
 //!
-//! A word is of order one because its shares add to one, and of order two if for each pair of different letters `X`, `Y` the products of shares of an `X`
-//! before a `Y` add to one half, as they do in a palindrome (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section III.5). With O parts
-//! order two is the highest.
+//! A word is of order one because its shares add to one, and of order two if for each pair of different
+//! letters `X`, `Y` the products of shares of an `X` before a `Y` add to one half, as they do in a palindrome
+//! (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section III.5). With O parts order
+//! two is the highest.
 
 use super::splitting::Letters;
 use crate::scheme::compose::stages::{Act, Stage};
@@ -210,7 +212,8 @@ const fn order(letters: &[Part], unit: u64) -> u32 {
     order
 }
 
-/// The exact law of the steps of a word in a linear system with one rate of friction, in units of mass, temperature and time in which `m = kT = 1`.
+/// The exact law of the steps of a word in a linear system with one rate of friction, in units of mass,
+/// temperature and time in which `m = kT = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HarmonicLaw {
     /// `k <q²>`, one in the Gibbs measure.
@@ -226,7 +229,8 @@ pub struct HarmonicLaw {
 }
 
 impl HarmonicLaw {
-    /// The law of steps with `√(k/m) h = omega` and `γ h = gamma`; NaN where the word is not stable or there is no friction.
+    /// The law of steps with `√(k/m) h = omega` and `γ h = gamma`; NaN where the word is not stable or there
+    /// is no friction.
     ///
     /// ```ignore
     /// use wzvi::bath::HarmonicLaw;
@@ -286,14 +290,16 @@ impl Linear<'_> {
         [q, p]
     }
 
-    /// `D` of a free particle: half of `<Δq²> + 2 Σ_k <Δq Δq_k>` over all later steps, where `<Δq p_k>` decays as `p` does.
+    /// `D` of a free particle: half of `<Δq²> + 2 Σ_k <Δq Δq_k>` over all later steps, where `<Δq p_k>`
+    /// decays as `p` does.
     fn diffusion(&self) -> f64 {
         let [way, decay] = self.step([0.0; 2], [0.0, 1.0]);
         let [s_qq, s_qp, _] = self.covariance(0.0);
         0.5 * (way * way + s_qq) + way * (way * decay + s_qp) / (1.0 - decay)
     }
 
-    /// The contribution of the noise of the O parts to `<q²>`, `<q p>`, `<p²>` in the units of [`Linear::step`].
+    /// The contribution of the noise of the O parts to `<q²>`, `<q p>`, `<p²>` in the units of
+    /// [`Linear::step`].
     fn covariance(&self, omega: f64) -> [f64; 3] {
         let unit = if omega == 0.0 { 1.0 } else { omega };
         let [mut qq, mut qp, mut pp] = [0.0; 3];

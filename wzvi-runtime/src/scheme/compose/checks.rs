@@ -7,7 +7,8 @@ use super::{Partitioned, Weights};
 /// `const _: () = check_weights::<Own>();` runs the check where the weights are defined.
 ///
 /// # Panics
-/// At compile time, unless the weights are a palindrome, sum to 1, and the sums of their odd powers below the order vanish.
+/// At compile time, unless the weights are a palindrome, sum to 1, and the sums of their odd powers below the
+/// order vanish.
 pub const fn check_weights<W: Weights>() {
     assert!(is_palindrome(W::GAMMA), "the weights of a composition must be a palindrome");
     assert!(has_sum_one(W::GAMMA), "the weights of a composition must sum to 1");
@@ -17,10 +18,11 @@ pub const fn check_weights<W: Weights>() {
     );
 }
 
-/// The same for the coefficients of a splitting.
+/// Checks the coefficients of a splitting.
 ///
 /// # Panics
-/// At compile time, unless the coefficients are a palindrome of odd length, and those of drifts and those of kicks each sum to 1.
+/// At compile time, unless the coefficients are a palindrome of odd length, and those of drifts and those of
+/// kicks each sum to 1.
 pub const fn check_table<W: Partitioned>() {
     assert!(is_palindrome(W::SEQUENCE), "the coefficients of a splitting must be a palindrome");
     assert!(W::SEQUENCE.len() % 2 == 1, "a splitting starts and ends with the same part");
@@ -57,7 +59,8 @@ const fn power_sums(list: &[f64], power: u32) -> (f64, f64) {
     (sum, size)
 }
 
-/// Bound on the rounding error of `length` weights, their powers and their sum, relative to the sum of magnitudes.
+/// Bound on the rounding error of `length` weights, their powers and their sum, relative to the sum of
+/// magnitudes.
 const fn rounding(length: usize, power: u32) -> f64 {
     (length as f64 + 2.0 * power as f64) * f64::EPSILON
 }

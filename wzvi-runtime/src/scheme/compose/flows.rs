@@ -1,13 +1,14 @@
 //! Alternating drifts and kicks, for `T(p) + V(q, t)`.
 //!
-//! With `F = h H_0 + Σ_k ΔW_k H_k = T(p) + V(q, t)` a drift of weight `a` is `q ← q + a ∂T/∂p`, a kick of weight `b` is
-//! `p ← p - b ∂V/∂q`: the flows of the parts, both exact. A kick acts at the time that the drifts before it have reached,
-//! `t + (a_1 + ... + a_j) h`, since time is a coordinate that the drift moves.
+//! With `F = h H_0 + Σ_k ΔW_k H_k = T(p) + V(q, t)` a drift of weight `a` is `q ← q + a ∂T/∂p`, a kick of
+//! weight `b` is `p ← p - b ∂V/∂q`: the flows of the parts, both exact. A kick acts at the time that the
+//! drifts before it have reached, `t + (a_1 + ... + a_j) h`, since time is a coordinate that the drift moves.
 //!
-//! Adjacent flows of the same kind are merged (an adjoint pair `DeltaPlus(b)`, `DeltaMinus(a)` is kick, drift, drift, kick), so that
-//! every kick evaluates the force once, at its own node. If a step ends with a kick, the next one starts with the same force: it is
-//! kept with the node, and reused if node, step size and, if the force reads it, time are the same to the last bit. Reuse changes no
-//! number, and checkpoints do not contain the force.
+//! Adjacent flows of the same kind are merged (an adjoint pair `DeltaPlus(b)`, `DeltaMinus(a)` is kick,
+//! drift, drift, kick), so that every kick evaluates the force once, at its own node. If a step ends with a
+//! kick, the next one starts with the same force: it is kept with the node, and reused if node, step size
+//! and, if the force reads it, time are the same to the last bit. Reuse changes no number, and checkpoints do
+//! not contain the force.
 //!
 //! Flows evaluate the system by [`Field::step_slopes`]. The compiler proves the form of `F`.
 
@@ -267,9 +268,9 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
 }
 
 impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
-    /// The end of the parts and their discrete Lagrangian. That of a drift is `p · Δq - a T(p)`, that of a kick at `q` is
-    /// `-b V(q) + c |V'(q)|²`. The weights of each kind sum to 1, so that `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum to values
-    /// of `F`, less `F(q_0, p_0)`.
+    /// The end of the parts and their discrete Lagrangian. A drift has `p · Δq - a T(p)`, a kick at `q` has
+    /// `-b V(q) + c |V'(q)|²`. The weights of each kind sum to 1, so that `T = F(q_0, ·) - V(q_0)` and
+    /// `V = F(·, p_0) - T(p_0)` sum to values of `F`, less `F(q_0, p_0)`.
     fn follow(
         self,
         stages: &[Stage<Act>],

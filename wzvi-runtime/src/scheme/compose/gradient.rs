@@ -1,15 +1,16 @@
 //! Kicks by potentials with the square of the force, `b V - c |V'|²`, for quadratic kinetic energies.
 //!
-//! For the step Hamiltonian `F = T(p) + V(q, t)` with constant `T''`, the bracket `{V, {T, V}}` is, up to its sign, the function
-//! `|V'|² = V' · T'' V'` of the coordinates. Its flow is a kick, too, and combines with that of `V`:
+//! For the step Hamiltonian `F = T(p) + V(q, t)` with constant `T''`, the bracket `{V, {T, V}}` is, up to its
+//! sign, the function `|V'|² = V' · T'' V'` of the coordinates. Its flow is a kick, too, and combines with
+//! that of `V`:
 //!
 //! ```text
 //! p ← p - b V' + 2 c V'' T'' V'
 //! ```
 //!
-//! `T'' V'` and `V'' (T'' V')` are directional derivatives of the generated slopes, computed with dual numbers: two evaluations in
-//! addition to the force, for any number of degrees of freedom. All evaluations are of the fraction `s = -b` of `F`, for which the last
-//! term is `2 c / s³` times `s³ V'' T'' V'`.
+//! `T'' V'` and `V'' (T'' V')` are directional derivatives of the generated slopes, computed with dual
+//! numbers: two evaluations in addition to the force, for any number of degrees of freedom. All evaluations
+//! are of the fraction `s = -b` of `F`, for which the last term is `2 c / s³` times `s³ V'' T'' V'`.
 
 use super::flows::FlowsOf;
 use super::stages::{Act, Stage};
@@ -32,7 +33,8 @@ impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
     }
 }
 
-/// The input of a force, which is evaluated for the fraction of the step Hamiltonian given by the share of the stage.
+/// The input of a force, which is evaluated for the fraction of the step Hamiltonian given by the share of
+/// the stage.
 pub(super) struct Kick<'a, 'f, F: Field, K: Constant, S, const SQUARES: bool> {
     pub(super) flows: &'a FlowsOf<'f, F, K, SQUARES>,
     pub(super) stage: &'a Stage<Act>,

@@ -73,10 +73,12 @@ impl<S: Scalar, M: StepMemory> Memory<S, M> {
         }
     }
 
-    /// Ends a step in which some lanes have failed in a part: these lanes are reset to what [`Memory::save`] stored.
+    /// Ends a step in which some lanes have failed in a part: these lanes are reset to what [`Memory::save`]
+    /// stored.
     ///
     /// # Errors
-    /// The failed lanes; or another failure, with all lanes reset, if the memory cannot be restored lane by lane.
+    /// The failed lanes; or another failure, with all lanes reset, if the memory cannot be restored lane by
+    /// lane.
     #[cold]
     #[inline(never)]
     pub(crate) fn end_in_part<C: Carry<S>>(
@@ -99,7 +101,8 @@ impl<S: Scalar, M: StepMemory> Memory<S, M> {
         StepFailure::Lanes(failed)
     }
 
-    /// Restores the memory of one lane from before the step; `None` if it differs from the others in data that all lanes share.
+    /// Restores the memory of one lane from before the step; `None` if it differs from the others in data
+    /// that all lanes share.
     fn restore_lane(&mut self, lane: usize) -> Option<()> {
         let words = Tape::split(lane, |tape| self.saved.pass(tape));
         Tape::place(lane, words, |tape| self.parts.pass(tape))

@@ -1,11 +1,13 @@
 //! The flow of a quadratic Hamiltonian, by a matrix exponential.
 //!
-//! `H = x·Kx/2 + b·x` with `x = (q, p)` and constant `K`, `b` has the equations of motion `x' = J(Kx + b)`, and the flow
-//! over `s` is `x ← x + D(s) x + d(s)`, `D = e^(sJK) - 1`, `d = ∫_0^s e^(rJK) J b dr`: both follow from the exponential of the matrix
-//! `M = [[JK, Jb], [0, 0]]`, which has one more row. `D` is summed for a small `s` and doubled by `D(2s) = 2 D(s) + D(s)²`, so that
-//! the difference to 1 keeps its digits (N. J. Higham, *Functions of Matrices*, SIAM 2008, section 10.3).
+//! `H = x·Kx/2 + b·x` with `x = (q, p)` and constant `K`, `b` has the equations of motion `x' = J(Kx + b)`,
+//! and the flow over `s` is `x ← x + D(s) x + d(s)`, `D = e^(sJK) - 1`, `d = ∫_0^s e^(rJK) J b dr`: both
+//! follow from the exponential of the matrix `M = [[JK, Jb], [0, 0]]`, which has one more row. `D` is summed
+//! for a small `s` and doubled by `D(2s) = 2 D(s) + D(s)²`, so that the difference to 1 keeps its digits (N.
+//! J. Higham, *Functions of Matrices*, SIAM 2008, section 10.3).
 //!
-//! The action `∫ p · q' - H` over the flow is that of a homogeneous form, `[p · q] / 2`, less `∫ b · x / 2`, which takes one more row of `M`.
+//! The action `∫ p · q' - H` over the flow is that of a homogeneous form, `[p · q] / 2`, less `∫ b · x / 2`,
+//! which takes one more row of `M`.
 //!
 //! Degrees of freedom that `K` does not couple have separate exponentials.
 
@@ -31,7 +33,8 @@ struct Block<K> {
 const TERMS: u32 = 18;
 
 impl<K: Constant> Linear<K> {
-    /// The flow over the time `s`. `slopes(x, y)` writes `∂H/∂q`, `∂H/∂p` at `x` into `y`; both have the coordinates first.
+    /// The flow over the time `s`. `slopes(x, y)` writes `∂H/∂q`, `∂H/∂p` at `x` into `y`; both have the
+    /// coordinates first.
     ///
     /// # Errors
     /// [`ConfigError::Parameter`] if an entry of the matrix is not finite.

@@ -42,7 +42,8 @@ fn gather_all<H: Discretized<E>, E, const L: usize>(
     (0..of_lanes.first()?.len()).map(part).collect()
 }
 
-/// The poles of steps of two schemes with these weights: of both halves of each, or of the one scheme that both are.
+/// The poles of steps of two schemes with these weights: of both halves of each, or of the one scheme that
+/// both are.
 const fn poles(first: Option<Poles>, second: Option<Poles>, listing: Listing) -> Option<Poles> {
     let (Some(first), Some(second), Listing::Steps(mut weights)) = (first, second, listing) else {
         return None;

@@ -1,11 +1,12 @@
 //! The flows of two parts into which the user has split the Hamiltonian: `drift = [H_A, H_B]`.
 //!
-//! Each part has one of the forms whose flow the compiler knows: a function of the coordinates (a kick), a function of the momenta (a
-//! drift), or a quadratic form in both with constant coefficients (a linear map, [`Linear`], computed once for each weight). A part reads the
-//! time that the flows of the other part have reached: time is a coordinate that `H_A` moves.
+//! Each part has one of the forms whose flow the compiler knows: a function of the coordinates (a kick), a
+//! function of the momenta (a drift), or a quadratic form in both with constant coefficients (a linear map,
+//! [`Linear`], computed once for each weight). A part reads the time that the flows of the other part have
+//! reached: time is a coordinate that `H_A` moves.
 //!
-//! A force `f(q, t)` is included in the kick, `p' = -∂H/∂q + f`. Friction with a single rate is included in the linear map,
-//! `p' = -∂H/∂q - γ p`, which is then conformally symplectic.
+//! A force `f(q, t)` is included in the kick, `p' = -∂H/∂q + f`. Friction with a single rate is included in
+//! the linear map, `p' = -∂H/∂q - γ p`, which is then conformally symplectic.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -166,7 +167,8 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> 
         advance(system, take, &stages.0, [q, p], dw, memory, carry)
     }
 
-    /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
+    /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral
+    /// of `p · q' - H`.
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
         if F::FACTS.kind.is_conformal {
             return f64::NAN;

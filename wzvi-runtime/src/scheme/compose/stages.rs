@@ -19,8 +19,8 @@ use crate::scheme::system::{Hamiltonian, Segment, check_lengths};
 #[derive(Clone, Debug)]
 pub(crate) struct Stages<A = Half>(pub(crate) Vec<Stage<A>>);
 
-/// A part of a step: the fraction `weight` of the flow of a whole step, at the fraction `node` of its time, which the flows of the
-/// other kind have reached.
+/// A part of a step: the fraction `weight` of the flow of a whole step, at the fraction `node` of its time,
+/// which the flows of the other kind have reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stage<A = Half> {
     /// The action of the part.
@@ -155,7 +155,8 @@ const fn carry_derivatives<S: Scalar>() -> bool {
     !S::IS_BESIDE && size_of::<S>() != size_of::<f64>()
 }
 
-/// The lists of a step: coordinates, momenta, their rounding errors, and the increments of momenta and of coordinates.
+/// The lists of a step: coordinates, momenta, their rounding errors, and the increments of momenta and of
+/// coordinates.
 #[derive(Debug)]
 pub(crate) struct Rooms<S: Scalar, H: Shape>(pub(crate) [List<S, H>; 6]);
 
@@ -179,7 +180,8 @@ impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
     }
 }
 
-/// Stores nothing: a force that is evaluated again is the same. What is read belongs to another run, whose system may have other parameters.
+/// Stores nothing: a force that is evaluated again is the same. What is read belongs to another run, whose
+/// system may have other parameters.
 impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
     fn pass(&mut self, tape: &mut Tape) {
         if tape.is_reading() {
@@ -278,8 +280,8 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
     }
 }
 
-/// Takes all parts of a step: `take` moves the state in the rooms by one part, with the noise increments of that part in the memory. On
-/// `Err`, `q`, `p` and `carry` are as they were.
+/// Takes all parts of a step: `take` moves the state in the rooms by one part, with the noise increments of
+/// that part in the memory. On `Err`, `q`, `p` and `carry` are as they were.
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`], the failure of a part, or that of sizes that do not fit.
@@ -333,8 +335,8 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
     if is_good { Ok(Effort::fast(0)) } else { Err(StepFailure::NonFinite) }
 }
 
-/// The state to which the parts lead from the start of a segment, and the sum of their discrete Lagrangians. `action_of` gives that
-/// of one part from the states before and after it. `None` if a part fails.
+/// The state to which the parts lead from the start of a segment, and the sum of their discrete Lagrangians.
+/// `action_of` gives that of one part from the states before and after it. `None` if a part fails.
 pub(crate) fn follow<V: Vector, H: Shape, A>(
     mut take: impl FnMut(&Stage<A>, &mut Rooms<f64, H>, &mut Memory<f64, H>) -> Result<(), StepFailure>,
     stages: &[Stage<A>],

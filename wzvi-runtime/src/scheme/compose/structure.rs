@@ -71,8 +71,9 @@ impl<K> TwoFlows for Parted<K> {
 /// The note of [`in_pairs`].
 pub(super) const BY_PAIRS: &str = ", by steps of DeltaMinus (drift) and DeltaPlus (kick) of which each is a coefficient less the one before";
 
-/// Drifts and kicks as alternating steps of the adjoint pair, with the weights `z_1 = x_1`, `z_{i+1} = x_{i+1} - z_i` for the coefficients `x`
-/// without the last one. A drift comes first in `DeltaMinus`, a kick in `DeltaPlus`.
+/// Drifts and kicks as alternating steps of the adjoint pair, with the weights `z_1 = x_1`,
+/// `z_{i+1} = x_{i+1} - z_i` for the coefficients `x` without the last one. A drift comes first in
+/// `DeltaMinus`, a kick in `DeltaPlus`.
 pub(super) fn in_pairs(sequence: &[Substep]) -> Vec<Substep> {
     let mut rest = 0.0;
     let coefficients = sequence.split_last().map_or(&[][..], |(_, coefficients)| coefficients);

@@ -17,7 +17,8 @@ pub enum Half {
 /// A part of a step: its kind, and its fraction of the step.
 pub type Substep = (Half, f64);
 
-/// The parts of a step that composes steps of `E` by `W`, for a system of the structure `K`: [`Composes`](super::Composes) lists them.
+/// The parts of a step that composes steps of `E` by `W`, for a system of the structure `K`:
+/// [`Composes`](super::Composes) lists them.
 #[derive(Clone, Copy, Debug)]
 pub struct By<E, K, W>(PhantomData<(E, K, W)>);
 

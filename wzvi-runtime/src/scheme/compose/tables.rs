@@ -1,7 +1,7 @@
 //! The tables of coefficients.
 //!
-//! The decimals are those of the published tables, refined until the order conditions hold to many more digits than `f64` has, and then
-//! rounded.
+//! The decimals are those of the published tables, refined until the order conditions hold to many more
+//! digits than `f64` has, and then rounded.
 
 use super::{Partitioned, Weights};
 
@@ -16,7 +16,8 @@ const fn mirrored<const H: usize, const N: usize>(half: [f64; H]) -> [f64; N] {
     all
 }
 
-/// Order 4 in 3 steps: H. Yoshida, "Construction of higher order symplectic integrators", Phys. Lett. A 150, 1990.
+/// Order 4 in 3 steps: H. Yoshida, "Construction of higher order symplectic integrators", Phys. Lett. A
+/// 150, 1990.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Yoshida4;
 
@@ -45,8 +46,8 @@ impl Weights for Yoshida6 {
         &mirrored::<_, 7>([0.7845136104775573, 0.23557321335935813, -1.177679984178871, 1.3151863206839112]);
 }
 
-/// Order 6 in 9 steps: W. Kahan and R.-C. Li, "Composition constants for raising the orders of unconventional schemes
-/// for ordinary differential equations", Math. Comp. 66, 1997, s9odr6a.
+/// Order 6 in 9 steps: W. Kahan and R.-C. Li, "Composition constants for raising the orders of unconventional
+/// schemes for ordinary differential equations", Math. Comp. 66, 1997, s9odr6a.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KahanLi6;
 
@@ -61,7 +62,8 @@ impl Weights for KahanLi6 {
     ]);
 }
 
-/// Order 8 in 15 steps: M. Suzuki and K. Umeno, in "Computer Simulation Studies in Condensed Matter Physics VI", 1993.
+/// Order 8 in 15 steps: M. Suzuki and K. Umeno, in "Computer Simulation Studies in Condensed Matter Physics
+/// VI", 1993.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SuzukiUmeno8;
 
@@ -98,8 +100,8 @@ impl Weights for KahanLi8 {
     ]);
 }
 
-/// Order 4 in 6 stages: S. Blanes and P. C. Moan, "Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nyström
-/// methods", J. Comput. Appl. Math. 142, 2002, S6.
+/// Order 4 in 6 stages: S. Blanes and P. C. Moan, "Practical symplectic partitioned Runge-Kutta and
+/// Runge-Kutta-Nyström methods", J. Comput. Appl. Math. 142, 2002, S6.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BlanesMoan4;
 
@@ -139,8 +141,8 @@ impl Partitioned for BlanesMoan6 {
     ]);
 }
 
-/// Order 6 in 14 stages, for `T(p) + V(q, t)` with a quadratic `T`: S. Blanes and P. C. Moan, the paper of [`BlanesMoan4`],
-/// SRKN 14a.
+/// Order 6 in 14 stages, for `T(p) + V(q, t)` with a quadratic `T`: S. Blanes and P. C. Moan, the paper of
+/// [`BlanesMoan4`], SRKN 14a.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Srkn6;
 
@@ -166,9 +168,10 @@ impl Partitioned for Srkn6 {
     ]);
 }
 
-/// Order 4 in 7 stages, with errors `ε h^8 + ε² h^6 + ε³ h^4` where the Hamiltonian is `H_A + ε H_B`, and `drift = [H_A, H_B]`:
-/// S. Blanes, F. Casas, A. Farrés, J. Laskar, J. Makazaga, A. Murua, "New families of symplectic splitting methods for
-/// numerical integration in dynamical astronomy", Appl. Numer. Math. 68, 2013.
+/// Order 4 in 7 stages, with errors `ε h^8 + ε² h^6 + ε³ h^4` where the Hamiltonian is `H_A + ε H_B`, and
+/// `drift = [H_A, H_B]`: S. Blanes, F. Casas, A. Farrés, J. Laskar, J. Makazaga, A. Murua, "New families of
+/// symplectic splitting methods for numerical integration in dynamical astronomy", Appl. Numer. Math.
+/// 68, 2013.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Aba864;
 
@@ -207,9 +210,10 @@ impl Partitioned for Aba1064 {
     ]);
 }
 
-/// Order 4 with three forces, one of them with its derivative along the force, and no step backwards, for `T(p) + V(q, t)` with a quadratic
-/// `T`: S. A. Chin, "Symplectic integrators from composite operator factorizations", Phys. Lett. A 226, 1997, algorithm A. The kick in the middle
-/// is by `2/3 (V - h²/48 |V'|²)`, with the square in the metric of the inverse masses.
+/// Order 4 with three forces, one of them with its derivative along the force, and no step backwards, for
+/// `T(p) + V(q, t)` with a quadratic `T`: S. A. Chin, "Symplectic integrators from composite operator
+/// factorizations", Phys. Lett. A 226, 1997, algorithm A. The kick in the middle is by
+/// `2/3 (V - h²/48 |V'|²)`, with the square in the metric of the inverse masses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Chin4;
 
@@ -226,10 +230,11 @@ impl Chin4 {
     pub(super) const NOTE: &'static str = " (the second kick by V - h²/48 V'·M⁻¹V')";
 }
 
-/// One kick, by `V - h²/24 |V'|²`, for `T(p) + V(q, t)` with a quadratic `T`: of order 2 and of effective order 4, that is, conjugate to a
-/// scheme of order 4 by a map near the identity. Frequencies, rotation numbers, Poincaré sections and averages of long runs have errors
-/// `O(h⁴)`; states have errors `O(h²)` that do not grow. M. Takahashi and M. Imada, "Monte Carlo calculation of quantum systems. II",
-/// J. Phys. Soc. Japan 53, 1984; G. Rowlands, "A numerical algorithm for Hamiltonian systems", J. Comput. Phys. 97, 1991.
+/// One kick, by `V - h²/24 |V'|²`, for `T(p) + V(q, t)` with a quadratic `T`: of order 2 and of effective
+/// order 4, that is, conjugate to a scheme of order 4 by a map near the identity. Frequencies, rotation
+/// numbers, Poincaré sections and averages of long runs have errors `O(h⁴)`; states have errors `O(h²)` that
+/// do not grow. M. Takahashi and M. Imada, "Monte Carlo calculation of quantum systems. II", J. Phys. Soc.
+/// Japan 53, 1984; G. Rowlands, "A numerical algorithm for Hamiltonian systems", J. Comput. Phys. 97, 1991.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TakahashiImada4;
 

@@ -1,4 +1,5 @@
-//! The text of a composition: its coefficients, followed by the text of the composed scheme, assembled at compile time.
+//! The text of a composition: its coefficients, followed by the text of the composed scheme, assembled at
+//! compile time.
 
 use std::marker::PhantomData;
 
@@ -45,7 +46,7 @@ where
     H: Elements + Discretized<E>,
     W: Composes<E, H::Structure>,
 {
-    /// That of the composed steps where it is higher.
+    /// The order of the weights, or that of the composed steps where it is higher.
     const ORDER: u32 = if W::ORDER > H::PLAN.order { W::ORDER } else { H::PLAN.order };
     const TEXT: Text<ROOM> = Text::of(&W::LISTING, Self::ORDER, H::EQUATIONS);
     /// The text.
@@ -55,7 +56,8 @@ where
     };
 }
 
-/// The beginning of lines in the texts of composed schemes: how closely a step keeps the energy, and its modified energy.
+/// The beginning of lines in the texts of composed schemes: how closely a step keeps the energy, and its
+/// modified energy.
 const WITHIN: &str = "  H0 is a first integral: kept by the step nearly, within O(";
 const MODIFIED: &str = "  modified energy, kept within ";
 /// The most bytes by which the order of a composition is longer than that of a step.
@@ -118,8 +120,8 @@ impl<const N: usize> Text<N> {
         text
     }
 
-    /// Appends the text of the composed scheme, with the order of the composition in the fact on the energy, and without the modified energy of the composed
-    /// step.
+    /// Appends the text of the composed scheme, with the order of the composition in the fact on the energy,
+    /// and without the modified energy of the composed step.
     const fn push_of_order(&mut self, base: &str, order: u32) {
         let bytes = base.as_bytes();
         let (mut at, mut is_of_modified) = (0, false);

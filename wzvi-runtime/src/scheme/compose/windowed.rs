@@ -15,9 +15,10 @@ use crate::scheme::elements::{
 use crate::scheme::gauss::Field;
 use crate::scheme::system::check_lengths;
 
-/// Degrees of freedom from which paths of an ensemble are stepped one after the other, window by window. A step in windows has an overhead
-/// of some 150 ns, and 16 paths in lanes exceed the first-level cache (each of some ten lists has 128 bytes for a degree of freedom).
-/// Measured for chains of 96 to 16 384 sites, both take the same time at 128 (`Baoab`) and 256 (`Verlet`).
+/// Degrees of freedom from which paths of an ensemble are stepped one after the other, window by window. A
+/// step in windows has an overhead of some 150 ns, and 16 paths in lanes exceed the first-level cache (each
+/// of some ten lists has 128 bytes for a degree of freedom). Measured for chains of 96 to 16 384 sites, both
+/// take the same time at 128 (`Baoab`) and 256 (`Verlet`).
 const LEAST_ALONE: usize = 256;
 
 /// Degrees of freedom from which paths are stepped one after the other.
@@ -60,7 +61,8 @@ pub(crate) struct Givens<'a> {
 }
 
 impl Memory {
-    /// Goes window by window on this many threads: [`Request::Share`](crate::algebra::memory::Request::Share).
+    /// Goes window by window on this many threads:
+    /// [`Request::Share`](crate::algebra::memory::Request::Share).
     pub(crate) fn share(&mut self, threads: Threads) {
         self.plan.share(threads);
     }
@@ -70,8 +72,9 @@ impl Memory {
         Self { plan: self.plan.alike(), scaled: Vec::new() }
     }
 
-    /// Takes all parts of a step; O parts, which `RELAXES` says are there, by `relaxing`. It is no closure, since what is not inlined does not get
-    /// the instructions of the machine. Allocates in the first step only.
+    /// Takes all parts of a step; O parts, which `RELAXES` says are there, by `relaxing`. It is no closure,
+    /// since what is not inlined does not get the instructions of the machine. Allocates in the first step
+    /// only.
     ///
     /// # Errors
     /// If sizes do not fit, or the new state is not finite.

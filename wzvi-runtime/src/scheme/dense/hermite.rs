@@ -1,13 +1,16 @@
-//! The polynomial through both nodes of a step with their rates, and, for schemes of high order, with rates between them.
+//! The polynomial through both nodes of a step with their rates, and, for schemes of high order, with rates
+//! between them.
 //!
-//! With the rates `f_i` at the `n` Lobatto points `x_i` of the step, weights `w_i`, and `δ = z_1 - z_0 - Σ w_i f_i`,
+//! With the rates `f_i` at the `n` Lobatto points `x_i` of the step, weights `w_i`, and
+//! `δ = z_1 - z_0 - Σ w_i f_i`,
 //!
 //! ```text
 //! u'(θ) = Σ_{k<n} a_k P_k(2θ - 1) + 6θ(1 - θ) δ,   a_k = (2k + 1) Σ w_i P_k(2x_i - 1) f_i,   a_{n-1} = (n - 1) Σ w_i P_{n-1}(2x_i - 1) f_i
 //! ```
 //!
-//! interpolates the rates (at inner points up to the term with `δ`), connects the nodes, and has the rates of the nodes at its ends. For `n = 2`
-//! it is Hermite's cubic, with an error of order 4; with `n` points and rates evaluated on a polynomial of order `n` it has order `n + 1`.
+//! interpolates the rates (at inner points up to the term with `δ`), connects the nodes, and has the rates of
+//! the nodes at its ends. For `n = 2` it is Hermite's cubic, with an error of order 4; with `n` points and
+//! rates evaluated on a polynomial of order `n` it has order `n + 1`.
 
 use super::slopes::{Slopes, Weights, legendre, weights};
 use crate::algebra::state::{State, Vector, copy_state};
@@ -94,7 +97,8 @@ impl<V: Vector> Hermite<V> {
         self.rates.iter_mut().for_each(|rates| rates.resize(2 * degrees, 0.0));
     }
 
-    /// The slopes of a step. If it `follows` the last one, its initial rate is the final rate of the last one.
+    /// The slopes of a step. If it `follows` the last one, its initial rate is the final rate of the last
+    /// one.
     #[expect(clippy::too_many_arguments, reason = "each is one thing that a step is of")]
     pub(super) fn fill<H: Hamiltonian<Vector = V>>(
         &mut self,

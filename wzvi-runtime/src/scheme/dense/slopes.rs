@@ -1,7 +1,7 @@
 //! The slope of a path inside a step, by Legendre polynomials.
 //!
-//! `u'(θ) = Σ_k a_k P_k(2θ - 1)`, and the path is its integral: `∫_0^θ P_k(2x - 1) dx = -2θ(1 - θ) P_k'(2θ - 1) / (k(k + 1))` for `k ≥ 1`, which
-//! vanishes at both ends.
+//! `u'(θ) = Σ_k a_k P_k(2θ - 1)`, and the path is its integral:
+//! `∫_0^θ P_k(2x - 1) dx = -2θ(1 - θ) P_k'(2θ - 1) / (k(k + 1))` for `k ≥ 1`, which vanishes at both ends.
 
 /// The most coefficients of a component: those of `Gauss<16>` in its Nyström form.
 const MOST_ROWS: usize = 17;
@@ -14,7 +14,7 @@ pub(crate) type Weights = [f64; MOST_ROWS];
 pub struct Slopes {
     degrees: usize,
     rows: usize,
-    /// Those of the coordinates, then of the momenta; the coefficients of one component are contiguous.
+    /// The coefficients of the coordinates, then of the momenta; those of one component are contiguous.
     coefficients: Vec<f64>,
     /// Three scratch lists of one number per degree of freedom.
     room: [Vec<f64>; 3],
@@ -23,7 +23,8 @@ pub struct Slopes {
 }
 
 impl Slopes {
-    /// Resizes to `rows` coefficients, at most 17, and this number of degrees of freedom. Allocates only to grow.
+    /// Resizes to `rows` coefficients, at most 17, and this number of degrees of freedom. Allocates only to
+    /// grow.
     pub(crate) fn resize(&mut self, rows: usize, degrees: usize) {
         debug_assert!(rows <= MOST_ROWS, "a polynomial has as many coefficients as there is room for");
         (self.rows, self.degrees) = (rows.min(MOST_ROWS), degrees);
@@ -50,7 +51,8 @@ impl Slopes {
         self.room = room;
     }
 
-    /// Adds `u(θ) - u(0)` to coordinates and momenta if `weights` are from the start of the step, or `u(θ) - u(1)` if they are from its end.
+    /// Adds `u(θ) - u(0)` to coordinates and momenta if `weights` are from the start of the step, or
+    /// `u(θ) - u(1)` if they are from its end.
     #[inline]
     pub(crate) fn add(&self, weights: &Weights, [q, p]: [&mut [f64]; 2]) {
         let slopes = self.coefficients.chunks_exact(self.rows.max(1));
@@ -81,7 +83,8 @@ impl Slopes {
     }
 }
 
-/// `part`, then `∫_0^θ P_k(2x - 1) dx` for `1 ≤ k < rows`: `part` is `θ` from the start of a step, and `θ - 1` from its end.
+/// `part`, then `∫_0^θ P_k(2x - 1) dx` for `1 ≤ k < rows`: `part` is `θ` from the start of a step, and
+/// `θ - 1` from its end.
 pub(crate) fn weights(theta: f64, part: f64, rows: usize) -> Weights {
     let y = 2.0 * theta - 1.0;
     let mut weights = [0.0; MOST_ROWS];

@@ -1,7 +1,8 @@
-//! Placements of an element that are evaluated together but read and add at scattered places, such as the ends of bonds from a table.
+//! Placements of an element that are evaluated together but read and add at scattered places, such as the
+//! ends of bonds from a table.
 //!
-//! The arguments of the slopes are gathered one by one into lists, the slopes are computed in vector registers, and then added to their
-//! places one by one, in the order of the placements:
+//! The arguments of the slopes are gathered one by one into lists, the slopes are computed in vector
+//! registers, and then added to their places one by one, in the order of the placements:
 //!
 //! ```text
 //! x_k[l] = q[i_k(b + l)]        for l = 0..B, k = 1..M
@@ -9,15 +10,16 @@
 //! (∂V/∂q)[i_j(b + l)] += s_j[l]       for l = 0..B, j = 1..F
 //! ```
 //!
-//! Two placements of one block may share a place: as the sums are not formed in vector registers, no conflict arises, and the bits are
-//! those of one placement after the other, for any table and registers.
+//! Two placements of one block may share a place: as the sums are not formed in vector registers, no conflict
+//! arises, and the bits are those of one placement after the other, for any table and registers.
 
 use std::marker::PhantomData;
 
 use super::pairs::{Block, Pair};
 use crate::algebra::scalar::{Number, Scalar};
 
-/// Number of placements whose slopes are computed in one loop: two of the widest registers, which do not wait for each other.
+/// Number of placements whose slopes are computed in one loop: two of the widest registers, which do not wait
+/// for each other.
 const AT_ONCE: usize = 16;
 
 /// Number of placements of a loop from which this pays.
@@ -34,8 +36,8 @@ const FEW: usize = 3;
 #[repr(align(64))]
 struct Numbers<S, const M: usize>([[S; AT_ONCE]; M]);
 
-/// A block of placements of an element, which read `M` numbers and have `F` slopes each: in numbers `U`, and in numbers `T` if a result in `U` is not
-/// finite.
+/// A block of placements of an element, which read `M` numbers and have `F` slopes each: in numbers `U`, and
+/// in numbers `T` if a result in `U` is not finite.
 #[derive(Debug)]
 pub struct Placements<S, T, U, const M: usize, const F: usize> {
     numbers: Numbers<S, M>,

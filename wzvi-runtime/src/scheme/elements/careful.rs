@@ -9,7 +9,8 @@ use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Effort, Problem, astray, damped};
 use crate::error::StepFailure;
 
-/// Residual of linear equations solved by iteration: small enough for nearly quadratic convergence of Newton's method.
+/// Residual of linear equations solved by iteration: small enough for nearly quadratic convergence of
+/// Newton's method.
 const TOLERANCE: f64 = 1e-10;
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {

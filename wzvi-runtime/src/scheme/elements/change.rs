@@ -1,18 +1,20 @@
-//! The change that a fixed-point correction makes to the points at which the equations are evaluated, compared with the rounding of
-//! these points.
+//! The change that a fixed-point correction makes to the points at which the equations are evaluated,
+//! compared with the rounding of these points.
 //!
-//! After `x' = φ(x)` the residual is `x' - φ(x') = φ(x) - φ(x')`. The map `φ` depends on its unknowns only through
-//! `Q_s = q_i + c_s u` and `P = p_i + v`. Running error analysis ([`Rounded`](crate::algebra::scalar::Rounded)) gives these roundings of
-//! at least `ε (|Q| + 2 |c u|)` and `ε (|P| + |v|)`. If the correction changes each by at most a quarter of that,
+//! After `x' = φ(x)` the residual is `x' - φ(x') = φ(x) - φ(x')`. The map `φ` depends on its unknowns only
+//! through `Q_s = q_i + c_s u` and `P = p_i + v`. Running error analysis
+//! ([`Rounded`](crate::algebra::scalar::Rounded)) gives these roundings of at least `ε (|Q| + 2 |c u|)` and
+//! `ε (|P| + |v|)`. If the correction changes each by at most a quarter of that,
 //!
 //! ```text
 //! |c Δu| ≤ ε (|Q| + 2 |c u|) / 4,   |Δv| ≤ ε (|P| + |v|) / 4,
 //! ```
 //!
 //! it moves the rounded arguments of `φ` by no more than their rounding (by one unit in the last place, or by
-//! `ε (5 |Q| / 4 + |c u| / 2)` if `c u` is larger than `Q / 2`). To first order the residual is then below the rounding of its own terms
-//! by the same analysis, and no pass has to follow the rounding of every term. Each number is compared with its own rounding, so that the
-//! result does not depend on units or on other sites.
+//! `ε (5 |Q| / 4 + |c u| / 2)` if `c u` is larger than `Q / 2`). To first order the residual is then below
+//! the rounding of its own terms by the same analysis, and no pass has to follow the rounding of every term.
+//! Each number is compared with its own rounding, so that the result does not depend on units or on other
+//! sites.
 
 use std::ops::Range;
 
@@ -37,8 +39,8 @@ pub(super) enum Change {
     Unknown,
 }
 
-/// The largest excess of the changes over [`UNSEEN`] of a rounding, in independent lanes. A maximum is one instruction, where a choice by
-/// comparison may take several for each lane.
+/// The largest excess of the changes over [`UNSEEN`] of a rounding, in independent lanes. A maximum is one
+/// instruction, where a choice by comparison may take several for each lane.
 #[derive(Clone, Copy)]
 pub(super) struct Seen<const L: usize> {
     above: [f64; L],
@@ -81,7 +83,8 @@ impl<const L: usize> Seen<L> {
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// Whether the last fixed-point correction changed no more than [`UNSEEN`] of a rounding, after [`Step::refresh`]: of each path side by side.
+    /// Whether the last fixed-point correction changed no more than [`UNSEEN`] of a rounding, after
+    /// [`Step::refresh`]: of each path side by side.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn changes_nothing(&self, lists: &Lists<'_, S>) -> S::Mask {
         // The first one mostly decides.
@@ -89,8 +92,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         if first.any() { first & self.changes_nothing_at(lists, 1..self.degrees()) } else { first }
     }
 
-    /// Whether the remainder of each correction is below the rounding of the state that it changes, if the next correction is smaller by the
-    /// factor `ratio` or by that of its own unknown, whichever is larger. Sizes of numbers are those by `size`.
+    /// Whether the remainder of each correction is below the rounding of the state that it changes, if the
+    /// next correction is smaller by the factor `ratio` or by that of its own unknown, whichever is larger.
+    /// Sizes of numbers are those by `size`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn resolves<R: Scalar>(
         self,
@@ -301,8 +305,9 @@ mod tests {
         }
     }
 
-    /// Chains with random masses, springs and states, each site with its own scale. The fixed point iterates until the change is negligible
-    /// by this bound. Running error analysis, which follows the rounding of every term, then finds each equation at rounding.
+    /// Chains with random masses, springs and states, each site with its own scale. The fixed point iterates
+    /// until the change is negligible by this bound. Running error analysis, which follows the rounding of
+    /// every term, then finds each equation at rounding.
     #[test]
     fn equations_are_at_their_rounding_where_nothing_changes() {
         let mut seed = 5;

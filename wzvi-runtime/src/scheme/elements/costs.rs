@@ -26,8 +26,8 @@ const BY_KRYLOV: f64 = 60.0;
 const GOAL: f64 = f64::EPSILON;
 /// The first correction of most steps, which starts from an extrapolation.
 const FIRST: f64 = 1e-3;
-/// Corrections that shrink to this fraction are never replaced by others: twenty of them finish most steps, and take
-/// no longer than the recurrences of Newton's method, even for a chain.
+/// Corrections that shrink to this fraction are never replaced by others: twenty of them finish most steps,
+/// and take no longer than the recurrences of Newton's method, even for a chain.
 pub(super) const FAST: f64 = 0.2;
 /// Corrections are predicted from contractions up to this one.
 const SLOWEST: f64 = 0.5;

@@ -1,8 +1,9 @@
 //! The derivatives that the numbers of an implicit step carry, by the Jacobian at its solution.
 //!
-//! `x = φ(x; z)` is solved for the values alone. With `J = 1 - ∂φ/∂x` there, the derivatives of the unknowns are `x' = J⁻¹ φ'`, where `φ'` are those of
-//! `φ` at unknowns without derivatives. One factorisation serves all of them. Krylov's method solves for one after the other, with the factors of its
-//! preconditioner, so that a large lattice needs no matrix of derivatives.
+//! `x = φ(x; z)` is solved for the values alone. With `J = 1 - ∂φ/∂x` there, the derivatives of the unknowns
+//! are `x' = J⁻¹ φ'`, where `φ'` are those of `φ` at unknowns without derivatives. One factorisation serves
+//! all of them. Krylov's method solves for one after the other, with the factors of its preconditioner, so
+//! that a large lattice needs no matrix of derivatives.
 
 use super::linear::Linear;
 use super::memory::{Scratch, Solver};
@@ -34,7 +35,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns with their derivatives; leaves `u` and `P`.
     ///
     /// # Errors
-    /// The errors of the step; [`StepFailure::NonFinite`] where second derivatives at its solution are not finite.
+    /// The errors of the step; [`StepFailure::NonFinite`] where second derivatives at its solution are not
+    /// finite.
     #[inline(never)]
     pub(super) fn differentiate<const CAREFUL: bool>(
         self,

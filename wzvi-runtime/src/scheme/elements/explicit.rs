@@ -14,9 +14,9 @@ use crate::scheme::system::{At, Movable};
 
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
 ///
-/// Inlined into the step of one system by one scheme, where the table of the scheme and often the number of degrees of
-/// freedom are constants: loops over stages or parts and checks of lengths disappear. Numbers of several parts take a
-/// separate path: the registers hold only one element of them.
+/// Inlined into the step of one system by one scheme, where the table of the scheme and often the number of
+/// degrees of freedom are constants: loops over stages or parts and checks of lengths disappear. Numbers of
+/// several parts take a separate path: the registers hold only one element of them.
 ///
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, a state that is not finite.

@@ -1,4 +1,5 @@
-//! Sums of elements as a Hamiltonian: values and slopes of one term from those of the part that it belongs to.
+//! Sums of elements as a Hamiltonian: values and slopes of one term from those of the part that it belongs
+//! to.
 
 use std::cell::Cell;
 use std::ops::Range;

@@ -43,7 +43,7 @@ pub(super) fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL:
     advance_fitting::<H, S, C, false>((system, parameters), scheme, at, memory, carry)
 }
 
-/// The same for a memory of another size or for a careful step: rare, and compiled once for all schemes.
+/// [`advance`] with a memory of another size, or for a careful step: rare, and compiled once for all schemes.
 #[cold]
 #[inline(never)]
 fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -94,7 +94,8 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
         let mut lists = memory.work.lists(scheme, degrees);
         step.finish(&mut lists);
         lists.store(q, p, carry)?;
-        // With noise, too: where a solution is followed over parts of a step, each part starts from the one before.
+        // With noise, too: where a solution is followed over parts of a step, each part starts from the one
+        // before.
         memory.record(scheme, degrees);
         (effort, Solution::Newton { may_contract: false })
     } else {
@@ -158,7 +159,8 @@ pub(super) struct IterationState<S: Scalar> {
 struct Taken<S> {
     /// Relative to the largest unknown.
     relative: S,
-    /// The change of the points at which the equations are evaluated, if already known; of fixed-point corrections only.
+    /// The change of the points at which the equations are evaluated, if already known; of fixed-point
+    /// corrections only.
     change: Option<Change>,
     /// Ratio of the fixed-point correction to this one.
     stretch: f64,
@@ -173,7 +175,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         if const { is_side_by_side::<S>() } {
-            // Where steps begin with another method paths go alone, and one that turns out to need it ends with an error.
+            // Where steps begin with another method paths go alone, and one that turns out to need it ends
+            // with an error.
             debug_assert!(
                 !self.scheme.is_linear,
                 "`Properties::in_lanes` is false where a step is one correction"
@@ -213,7 +216,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// [`Step::attempt`] without vector instructions; separate, since a second call would keep the first from being inlined.
+    /// [`Step::attempt`] without vector instructions; separate, since a second call would keep the first from
+    /// being inlined.
     #[cold]
     #[inline(never)]
     fn attempt_exactly(self, mut scratch: Scratch<'_, S>) -> Result<Solved, StepFailure> {
@@ -358,8 +362,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         Ok(Taken { relative, change, stretch, is_fresh, is_kept })
     }
 
-    /// Turns a fixed-point correction into Newton's, with new factors if the old ones are stale. Returns the ratio of the
-    /// two, fixed point to Newton.
+    /// Turns a fixed-point correction into Newton's, with new factors if the old ones are stale. Returns the
+    /// ratio of the two, fixed point to Newton.
     #[inline(never)]
     fn correct_by_newton(
         self,
@@ -463,8 +467,9 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         Ok(false)
     }
 
-    /// Whether the remaining error is at rounding: by the contraction if that is known or, for the fixed point, by the change of the
-    /// points of evaluation. The criterion is the same at all system sizes, whichever test is cheaper.
+    /// Whether the remaining error is at rounding: by the contraction if that is known or, for the fixed
+    /// point, by the change of the points of evaluation. The criterion is the same at all system sizes,
+    /// whichever test is cheaper.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_resolved(
         self,

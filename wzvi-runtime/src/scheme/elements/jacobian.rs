@@ -1,4 +1,5 @@
-//! The Jacobian `I - φ'` of a step, entry by entry: for factors, for products with vectors, or as a sparsity pattern.
+//! The Jacobian `I - φ'` of a step, entry by entry: for factors, for products with vectors, or as a sparsity
+//! pattern.
 
 use super::kept::PATIENCE;
 use super::linear::{Linear, Wide};
@@ -16,10 +17,12 @@ fn product<S: Scalar>(x: &[S], y: &mut [S]) -> impl FnMut(usize, usize, S) {
     |row, column, value| y[row] = y[row] + value * x[column]
 }
 
-/// Takes entries of a Jacobian where that is rare. The second derivatives of a system are long, and compiled for each type that takes them.
+/// Takes entries of a Jacobian where that is rare. The second derivatives of a system are long, and compiled
+/// for each type that takes them.
 type Rarely<'r, S> = &'r mut dyn FnMut(usize, usize, S);
 
-/// The powers of two by which the two kinds of unknowns are multiplied, which is exact; `None` where there is one kind.
+/// The powers of two by which the two kinds of unknowns are multiplied, which is exact; `None` where there is
+/// one kind.
 type Units = Option<[f64; 2]>;
 
 fn multiply<S: Scalar>(list: &mut [S], units: Units) {
@@ -31,7 +34,8 @@ fn multiply<S: Scalar>(list: &mut [S], units: Units) {
     }
 }
 
-/// Units of the unknowns where there are two kinds: about the largest of each kind, or its largest residual where that is zero.
+/// Units of the unknowns where there are two kinds: about the largest of each kind, or its largest residual
+/// where that is zero.
 fn units<S: Scalar>(kind: Unknowns, x: &[S], residual: &[S]) -> Units {
     let (sizes, others) = (largest(kind, x), largest(kind, residual));
     let unit = |i: usize| match [sizes[i], others[i]].into_iter().find(|&size| size > 0.0) {
@@ -63,7 +67,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Factors the Jacobian at the current stages. The factors for Krylov's method are complete if `all` and cheap enough.
+    /// Factors the Jacobian at the current stages. The factors for Krylov's method are complete if `all` and
+    /// cheap enough.
     ///
     /// # Errors
     /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`] of a band.
@@ -134,8 +139,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         factors
     }
 
-    /// Multiplies the correction by `J⁻¹`, up to `tolerance` with Krylov's method; returns the number of its Jacobian products. On `Err` the
-    /// correction is unchanged.
+    /// Multiplies the correction by `J⁻¹`, up to `tolerance` with Krylov's method; returns the number of its
+    /// Jacobian products. On `Err` the correction is unchanged.
     ///
     /// # Errors
     /// [`StepFailure::NotConverged`] or [`StepFailure::NonFinite`] of a Krylov iteration.
@@ -181,8 +186,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// `y = J x` at the current stages, with each kind of unknown in its own unit, so that one norm covers both; without the entries that are not finite
-    /// where `leaves_out`.
+    /// `y = J x` at the current stages, with each kind of unknown in its own unit, so that one norm covers
+    /// both; without the entries that are not finite where `leaves_out`.
     fn product(
         &self,
         (lists, diagonal, leaves_out): (&Lists<'_, S>, &[S], bool),
@@ -224,8 +229,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         self.entries(lists, diagonal, &mut into);
     }
 
-    /// `-φ'` at the current stages: the Jacobian of `(∂L_d/∂P, -D_1 L_d)`, unknowns `u_0, v_0, u_1, v_1, ...`; or `∂(-D_1 L_d)/∂v` with `∂u/∂v = D`,
-    /// which is `I + Σ start (c F_qq D + F_qp)`.
+    /// `-φ'` at the current stages: the Jacobian of `(∂L_d/∂P, -D_1 L_d)`, unknowns
+    /// `u_0, v_0, u_1, v_1, ...`; or `∂(-D_1 L_d)/∂v` with `∂u/∂v = D`, which is
+    /// `I + Σ start (c F_qq D + F_qp)`.
     fn entries(&self, lists: &Lists<'_, S>, diagonal: &[S], add: &mut impl FnMut(usize, usize, S)) {
         let Lists { stages, momentum, .. } = lists;
         for (s, stage) in self.scheme.stages.iter().enumerate() {

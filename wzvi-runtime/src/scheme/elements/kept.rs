@@ -1,11 +1,13 @@
 //! Factors that serve more than one step, and where they were made.
 //!
-//! Newton's method with the factors of an earlier step is the chord method; its contraction is set by the change of the Jacobian since. A
-//! step starts with the existing factors and makes new ones if they contract too slowly. It also discards old factors once their extra
-//! iterations cost as much as a refactorisation (the ski-rental rule: at most twice the cost of the best choice in hindsight). Krylov's
-//! method uses the factors as its preconditioner.
+//! Newton's method with the factors of an earlier step is the chord method; its contraction is set by the
+//! change of the Jacobian since. A step starts with the existing factors and makes new ones if they contract
+//! too slowly. It also discards old factors once their extra iterations cost as much as a refactorisation
+//! (the ski-rental rule: at most twice the cost of the best choice in hindsight). Krylov's method uses the
+//! factors as its preconditioner.
 //!
-//! A checkpoint or a copy stores where the factors were made instead of the factors: it takes the same steps to the last bit.
+//! A checkpoint or a copy stores where the factors were made instead of the factors: it takes the same steps
+//! to the last bit.
 
 use super::Elements;
 use super::linear::Linear;
@@ -17,7 +19,8 @@ use crate::algebra::solve::astray;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
-/// Excess Jacobian products with incomplete factors before complete ones replace them: about the cost of complete factors.
+/// Excess Jacobian products with incomplete factors before complete ones replace them: about the cost of
+/// complete factors.
 pub(super) const PATIENCE: u32 = 128;
 /// Cost of a solution with complete factors, in Jacobian products.
 const A_SOLUTION: u32 = 4;
@@ -175,15 +178,17 @@ impl<S: Scalar> Kept<S> {
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// Whether later steps may start with the factors of this one. With noise the Jacobians of successive steps are not close, and a pinned
-    /// Newton's method factors in each iteration; a preconditioner need not be close.
+    /// Whether later steps may start with the factors of this one. With noise the Jacobians of successive
+    /// steps are not close, and a pinned Newton's method factors in each iteration; a preconditioner need not
+    /// be close.
     fn leaves_factors(&self, linear: &Linear<S>, pinned: Iteration) -> bool {
         let is_chord = pinned != Iteration::Newton && (self.scheme.remembers || self.scheme.is_linear);
         is_chord || matches!(linear, Linear::Krylov(_))
     }
 
-    /// Whether the step can start with earlier factors, recomputed if they are missing; the content of the lists is lost. (`scratch` is passed
-    /// by value: a reference to all data of the iteration would prevent the vectorisation of its loops.)
+    /// Whether the step can start with earlier factors, recomputed if they are missing; the content of the
+    /// lists is lost. (`scratch` is passed by value: a reference to all data of the iteration would prevent
+    /// the vectorisation of its loops.)
     #[inline(never)]
     pub(super) fn starts_with_factors(&self, mut scratch: Scratch<'_, S>, pinned: Iteration) -> bool {
         let Scratch { lists, solver: Solver { kept, linear: Some(linear), .. }, .. } = &scratch else {

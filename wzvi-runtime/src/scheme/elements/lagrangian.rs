@@ -1,5 +1,5 @@
-//! The discrete Lagrangian of a scheme, its gradient, and the momentum of a step: all from the stages and the parts of
-//! the step Hamiltonian.
+//! The discrete Lagrangian of a scheme, its gradient, and the momentum of a step: all from the stages and the
+//! parts of the step Hamiltonian.
 
 use super::hamiltonian::fits;
 use super::rounding::lift;
@@ -16,7 +16,8 @@ fn increment_of<H: Elements>(system: &H, segment: &Segment<H::Vector>, dw: &[f64
     fits.then(|| differences(q0, q1))
 }
 
-/// Calls `take` with each part of the step Hamiltonian, its stage, its weight and its point, for a segment of this increment.
+/// Calls `take` with each part of the step Hamiltonian, its stage, its weight and its point, for a segment of
+/// this increment.
 fn for_each_part<H: Elements>(
     (system, scheme): (&H, &Quadrature),
     segment: &Segment<H::Vector>,
@@ -88,8 +89,9 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     gradient
 }
 
-/// `P` of the step between two states, where their momenta do not determine it from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`; NaN if no solution satisfies
-/// `p_{i+1} = D_2 L_d(q_i, q_{i+1}, P)`. The solver is compiled only there.
+/// `P` of the step between two states, where their momenta do not determine it from
+/// `p_i = -D_1 L_d(q_i, q_{i+1}, P)`; NaN if no solution satisfies `p_{i+1} = D_2 L_d(q_i, q_{i+1}, P)`. The
+/// solver is compiled only there.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn step_momentum<H: Elements>(
     system: &H,
@@ -129,8 +131,9 @@ fn momentum_between<H: Elements>(
     momentum
 }
 
-/// `v = P - p_i`, if it is found. The equation may have several solutions: the one from the start at zero is nearly always that of the
-/// step. If it is not, the equation is solved from `P = p_{i+1}`, and then from the `P` of the step, recomputed with both unknowns.
+/// `v = P - p_i`, if it is found. The equation may have several solutions: the one from the start at zero is
+/// nearly always that of the step. If it is not, the equation is solved from `P = p_{i+1}`, and then from the
+/// `P` of the step, recomputed with both unknowns.
 fn momentum_increment<H: Elements>(
     system: &H,
     scheme: &Quadrature,
@@ -180,8 +183,8 @@ impl<H: Elements> Step<'_, H, f64> {
     }
 }
 
-/// Passes that bound the error of a momentum: each adds a term of the geometric series in `M = Σ a_s |F_qp|`. If the terms have not shrunk
-/// after that many, there is no bound.
+/// Passes that bound the error of a momentum: each adds a term of the geometric series in `M = Σ a_s |F_qp|`.
+/// If the terms have not shrunk after that many, there is no bound.
 const PASSES: u32 = 8;
 /// Ratio of successive terms at which the passes end: the rest of the series is then at most its last term.
 const HALVES: f64 = 0.5;
@@ -205,11 +208,13 @@ impl<'a, H: Elements> Ends<'a, H> {
         Self { step: *step, u: differences(&q, &end_q), q, p, end_p, dw }
     }
 
-    /// Whether `P = p_i + v` solves the equations of both momenta within the rounding of the ends and of each term.
+    /// Whether `P = p_i + v` solves the equations of both momenta within the rounding of the ends and of each
+    /// term.
     ///
-    /// Let `d` be the residual and the rounding of `P = p_i - Σ a_s F_q`. The error of `P` is at most `e = d + M e`, the sum of `δ_0 = d`,
-    /// `δ_k = M δ_{k-1}`. As `M` has no negative entry, `δ_k <= θ δ_{k-1}` in each component implies the same for all later terms, which then
-    /// sum to at most `θ/(1 - θ) δ_k`.
+    /// Let `d` be the residual and the rounding of `P = p_i - Σ a_s F_q`. The error of `P` is at most
+    /// `e = d + M e`, the sum of `δ_0 = d`, `δ_k = M δ_{k-1}`. As `M` has no negative entry,
+    /// `δ_k <= θ δ_{k-1}` in each component implies the same for all later terms, which then sum to at most
+    /// `θ/(1 - θ) δ_k`.
     fn are_joined_by(&self, v: &[f64]) -> bool {
         let mut momentum = exact_sums(self.step.p, v);
         let (mut terms, mut shrinking) = (vec![0.0; momentum.len()], f64::INFINITY);
@@ -247,7 +252,7 @@ impl<'a, H: Elements> Ends<'a, H> {
     }
 }
 
-// The same for all systems.
+// Functions of lists alone, compiled once for all systems.
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -284,7 +289,8 @@ fn add_multiple(sum: &mut [Rounded], list: &[Rounded], weight: f64) {
     sum.iter_mut().zip(list).for_each(|(sum, &number)| *sum = *sum + number * weight);
 }
 
-/// The next errors of the momenta, from the intervals `starts - pull`, and the next terms of their series; the largest ratio of a term to the one before.
+/// The next errors of the momenta, from the intervals `starts - pull`, and the next terms of their series;
+/// the largest ratio of a term to the one before.
 fn add_term(momentum: &mut [Rounded], terms: &mut [f64], starts: &[Rounded], pull: &[Rounded]) -> f64 {
     let mut shrinking = 0.0;
     for (((p, term), &start), &pull) in momentum.iter_mut().zip(terms).zip(starts).zip(pull) {

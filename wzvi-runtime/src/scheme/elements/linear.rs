@@ -1,8 +1,10 @@
-//! The linear equations of Newton's method, solved by elimination in a band or by a preconditioned Krylov iteration.
+//! The linear equations of Newton's method, solved by elimination in a band or by a preconditioned Krylov
+//! iteration.
 //!
-//! Each of the ways is faster than the others by more than 1.3 somewhere. In ms for a solution to twelve digits and a
-//! tenth of a factorisation, with `ω h / 2` of the fastest motion (`cargo bench --workspace --bench linear`; `-` for
-//! bands of more than 2 10^10 multiplications, which were not tried):
+//! Each of the ways is faster than the others by more than 1.3 somewhere. In ms for a solution to twelve
+//! digits and a tenth of a factorisation, with `ω h / 2` of the fastest motion
+//! (`cargo bench --workspace --bench linear`; `-` for bands of more than 2 10^10 multiplications, which were
+//! not tried):
 //!
 //! | matrix | `ω h / 2` | band | complete sparse factors | GMRES, incomplete factors |
 //! |---|---|---|---|---|
@@ -23,7 +25,8 @@ use crate::algebra::solve::{Banded, Krylov, Sparse, reverse_cuthill_mckee};
 /// Largest number of entries of a factorisation: 2 GiB of `f64`.
 const MOST_NUMBERS: usize = 1 << 28;
 
-/// Half-bandwidth up to which a band is always used; a wider one if it takes at most [`FEW_OPERATIONS`] to factor.
+/// Half-bandwidth up to which a band is always used; a wider one if it takes at most [`FEW_OPERATIONS`] to
+/// factor.
 const NARROW: usize = 16;
 /// Half-bandwidth up to which the unknowns are not renumbered.
 const NARROW_AS_IT_IS: usize = 4;
@@ -139,7 +142,8 @@ impl<S: Scalar> Linear<S> {
     }
 }
 
-/// Storage for factors: incomplete, with the pattern of the matrix; complete if `all` and cheap enough; diagonal for a dense matrix.
+/// Storage for factors: incomplete, with the pattern of the matrix; complete if `all` and cheap enough;
+/// diagonal for a dense matrix.
 fn factors<S: Scalar>(pattern: Pattern<'_>, unknowns: usize, all: bool) -> Sparse<S> {
     let mut entries = 0;
     pattern(&mut |_, _| entries += 1);

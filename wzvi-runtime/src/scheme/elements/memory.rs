@@ -58,14 +58,16 @@ pub(super) struct Care<S> {
     pub(super) room: Room<Vec<S>>,
 }
 
-/// Scratch for the equations of one step: a single list, because the compiler knows only of parts of one list that they do not overlap.
+/// Scratch for the equations of one step: a single list, because the compiler knows only of parts of one list
+/// that they do not overlap.
 #[derive(Debug, Default)]
 pub(super) struct Work<S> {
     numbers: Vec<S>,
     columns: PairColumns,
 }
 
-/// The parts of a [`Work`], with lengths that follow from the system, so that loops over several of them need no bounds checks.
+/// The parts of a [`Work`], with lengths that follow from the system, so that loops over several of them need
+/// no bounds checks.
 pub(super) struct Lists<'a, S> {
     pub(super) x: &'a mut [S],
     pub(super) correction: &'a mut [S],
@@ -87,8 +89,8 @@ pub(super) struct Stages<'a, S> {
     is_turned: bool,
 }
 
-/// Padding between two lists of a large system, in numbers: simultaneous reads and writes then have different offsets within a page,
-/// the last bits of an address, which processors compare first.
+/// Padding between two lists of a large system, in numbers: simultaneous reads and writes then have different
+/// offsets within a page, the last bits of an address, which processors compare first.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn apart(degrees: usize) -> usize {
     if degrees < LEAST_IN_WINDOWS { 0 } else { 40 }
@@ -147,7 +149,7 @@ impl<S: Scalar> Work<S> {
 }
 
 impl<S: Scalar> Lists<'_, S> {
-    /// The same, if numbers are `f64`.
+    /// The lists in numbers `f64`, if their numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn plain(&mut self) -> Option<Lists<'_, f64>> {
         let Self { x, correction, previous, u, momentum, by_p, stages, columns } = self;
@@ -167,7 +169,8 @@ impl<S: Scalar> Lists<'_, S> {
 }
 
 impl<S> Lists<'_, S> {
-    /// A copy of the references for a separate function: values whose address is passed do not stay in registers.
+    /// A copy of the references for a separate function: values whose address is passed do not stay in
+    /// registers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> Lists<'_, S> {
         let Self { x, correction, previous, u, momentum, by_p, stages, columns } = self;
@@ -193,7 +196,7 @@ impl<S> Stages<'_, S> {
         if self.is_turned { (second, first) } else { (first, second) }
     }
 
-    /// The same, to be written.
+    /// The numbers of a stage, to be written.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn at_mut(&mut self, stage: usize) -> (&mut [S], &mut [S]) {
         let (start, stride) = self.bounds(stage);
@@ -221,7 +224,8 @@ pub(super) struct Scratch<'a, S: Scalar> {
 }
 
 impl<S: Scalar> Memory<S> {
-    /// Scratch for the scheme and the degrees of freedom of this memory; with past steps where the iteration starts from them.
+    /// Scratch for the scheme and the degrees of freedom of this memory; with past steps where the iteration
+    /// starts from them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn scratch(&mut self, scheme: &Quadrature, degrees: usize) -> Scratch<'_, S> {
         let Self { work, solver, plan, known, .. } = self;
@@ -260,7 +264,8 @@ impl<S: Scalar> Scratch<'_, S> {
         if let Some(Linear::Band(band)) = &self.solver.linear { band.inverses() } else { None }
     }
 
-    /// Extrapolates the unknowns of past steps: `3x_n - 3x_{n-1} + x_{n-2}`, to a lower order if fewer are `known`, zero if none are.
+    /// Extrapolates the unknowns of past steps: `3x_n - 3x_{n-1} + x_{n-2}`, to a lower order if fewer are
+    /// `known`, zero if none are.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn guess(&mut self, known: u8) {
         let x = &mut *self.lists.x;

@@ -1,17 +1,19 @@
 //! Sums over pairs of bodies, in vector instructions.
 //!
-//! The pairs of one body form a [`Row`]: its partners are adjacent points of the state. The slopes of [`LANES`] pairs are computed
-//! together. Slopes by the partners go to the sums of the partners. Slopes by the body go to one sum for each lane; these sums are added
-//! in the order of a fixed tree, followed by the rest of the row, partner by partner:
+//! The pairs of one body form a [`Row`]: its partners are adjacent points of the state. The slopes of
+//! [`LANES`] pairs are computed together. Slopes by the partners go to the sums of the partners. Slopes by
+//! the body go to one sum for each lane; these sums are added in the order of a fixed tree, followed by the
+//! rest of the row, partner by partner:
 //!
 //! ```text
 //! ∂V/∂q_i = ((s_0 + s_4) + (s_2 + s_6)) + ((s_1 + s_5) + (s_3 + s_7)) + rest,   s_l = Σ_c ∂V(q_i, q_{8c+l})/∂q_i
 //! ```
 //!
-//! This order is the same for every number type and instruction set, so that the bits depend on neither. Rows of fewer than [`LANES`]
-//! partners are added one by one.
+//! This order is the same for every number type and instruction set, so that the bits depend on neither. Rows
+//! of fewer than [`LANES`] partners are added one by one.
 //!
-//! The components of points are first copied into columns, which takes `O(N)` operations where the pairs take `O(N²)`.
+//! The components of points are first copied into columns, which takes `O(N)` operations where the pairs take
+//! `O(N²)`.
 
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
@@ -29,8 +31,9 @@ pub(super) use columns::{LEAST_IN_COLUMNS, may_take_vectors, slopes, takes_vecto
 /// Number of partners whose slopes are computed together, on every machine.
 pub(super) const LANES: usize = 8;
 
-/// The slopes of an element by two points: by `F` degrees of freedom of a body, the same for a whole row, and by the `D` components of a
-/// partner. For placements that are [evaluated together](super::Placements), without partners, all numbers that are read are entries.
+/// The slopes of an element by two points: by `F` degrees of freedom of a body, the same for a whole row, and
+/// by the `D` components of a partner. For placements that are [evaluated together](super::Placements),
+/// without partners, all numbers that are read are entries.
 pub trait Pair<const O: usize, const D: usize, const M: usize, const F: usize> {
     /// The slopes from numbers of the body and constants, the partner, and its entries of tables.
     fn slopes<T: Scalar>(own: [T; O], partner: [T; D], entries: [T; M]) -> ([T; F], [T; D]);

@@ -5,8 +5,8 @@ use super::side_by_side::{is_side_by_side, subtract_side_by_side};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::algebra::solve::relative_to;
 
-/// `x -= correction`; returns the largest correction relative to the largest unknown of its kind, NaN if a correction is not finite: of all
-/// parts of the numbers, or of each path side by side.
+/// `x -= correction`; returns the largest correction relative to the largest unknown of its kind, NaN if a
+/// correction is not finite: of all parts of the numbers, or of each path side by side.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S]) -> S {
     if const { is_side_by_side::<S>() } {
@@ -62,8 +62,9 @@ fn relate<S: Scalar>(kind: Unknowns, x: &[S], correction: &[S], [sizes, changes]
 
 /// Work on `N` adjacent entries of lists.
 ///
-/// It first reads all its input, then applies each operation to all entries, and stores last, so that the compiler keeps the entries in
-/// vector registers. Several operations on one entry after the other would be split into scalars.
+/// It first reads all its input, then applies each operation to all entries, and stores last, so that the
+/// compiler keeps the entries in vector registers. Several operations on one entry after the other would be
+/// split into scalars.
 pub(super) trait Block {
     /// The work on the entries from `first` on.
     fn take<const N: usize>(&mut self, first: usize);
@@ -101,7 +102,8 @@ pub(super) fn widened<const N: usize, const L: usize>(numbers: [f64; N]) -> [f64
     std::array::from_fn(|i| if i < N { numbers[i] } else { 0.0 })
 }
 
-/// Zero for a finite magnitude. As bits, because the compiler would otherwise interleave these sums with others and split the lanes of both.
+/// Zero for a finite magnitude. As bits, because the compiler would otherwise interleave these sums with
+/// others and split the lanes of both.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn poisoned(magnitude: f64) -> u64 {
     (magnitude * 0.0).to_bits()
@@ -151,15 +153,16 @@ impl<const L: usize> Largest<L> {
         self.by_kind(Unknowns::Momenta)[0]
     }
 
-    /// The maxima over coordinates and over momenta, which have different units, if the list alternates between them; otherwise twice the
-    /// overall maximum. NaN if any number was NaN or infinite.
+    /// The maxima over coordinates and over momenta, which have different units, if the list alternates
+    /// between them; otherwise twice the overall maximum. NaN if any number was NaN or infinite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn by_kind(self, kind: Unknowns) -> [f64; 2] {
         let larger = |a: f64, b: f64| if a > b { a } else { b };
         if self.poison.iter().any(|&poison| poison != 0) {
             return [f64::NAN; 2];
         }
-        // Opaque, since the compiler else cuts the lanes of the pass as the pairs below would have them, down to two numbers.
+        // Opaque, since the compiler else cuts the lanes of the pass as the pairs below would have them, down
+        // to two numbers.
         let most = std::hint::black_box(self.most);
         let (mut even, mut odd) = (0.0, 0.0);
         for pair in most.as_chunks::<2>().0 {
@@ -181,7 +184,8 @@ pub(super) fn largest<S: Scalar>(kind: Unknowns, x: &[S]) -> [f64; 2] {
     largest.by_kind(kind)
 }
 
-/// Whether numbers have several parts, which already are adjacent: arrays of such numbers would be copied in memory.
+/// Whether numbers have several parts, which already are adjacent: arrays of such numbers would be copied in
+/// memory.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn has_parts<S>() -> bool {
     size_of::<S>() != size_of::<f64>()

@@ -1,14 +1,16 @@
-//! The places that the elements of a system read, and a check that they exist, by interval arithmetic over the loops.
+//! The places that the elements of a system read, and a check that they exist, by interval arithmetic over
+//! the loops.
 //!
-//! A loop over `i` becomes the interval of its variable, and an index the interval of its values. If the interval is in
-//! range, so is every placement. If not, the outermost interval is halved, until one placement is found to be out of range,
-//! with its numbers, or all are proven to be in range. Indices that are linear in independent loops are proven or refuted
-//! in a few evaluations, whatever the length of the loops. The loops themselves never run.
+//! A loop over `i` becomes the interval of its variable, and an index the interval of its values. If the
+//! interval is in range, so is every placement. If not, the outermost interval is halved, until one placement
+//! is found to be out of range, with its numbers, or all are proven to be in range. Indices that are linear
+//! in independent loops are proven or refuted in a few evaluations, whatever the length of the loops. The
+//! loops themselves never run.
 //!
-//! The check is cheap enough for every call that gets a state, which cannot know whether the system has changed
-//! since the last one: 1 µs for a sum over all pairs of 1000 bodies with a list of masses, where an energy takes
-//! 1.8 ms. A pass over all placements, which would need no intervals, took 40 ms there, as long as 35 steps of
-//! `Verlet`.
+//! The check is cheap enough for every call that gets a state, which cannot know whether the system has
+//! changed since the last one: 1 µs for a sum over all pairs of 1000 bodies with a list of masses, where an
+//! energy takes 1.8 ms. A pass over all placements, which would need no intervals, took 40 ms there, as long
+//! as 35 steps of `Verlet`.
 //!
 //! Intermediate integers are checked, too: the steps compute them as `isize`, which must not overflow.
 
@@ -83,7 +85,7 @@ pub struct Loop(pub Index, pub Index);
 pub enum Slot {
     /// A component of the coordinates or momenta.
     State(Index),
-    /// The same with an index that the compiler has proven not to be negative.
+    /// A component with an index that the compiler has proven not to be negative.
     Natural(Index),
     /// An entry of a list of real numbers.
     Entry(usize, &'static [Position]),

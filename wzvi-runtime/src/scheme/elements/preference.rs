@@ -18,7 +18,8 @@ const RARELY: u8 = 64;
 /// The preference learnt from the steps so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Preference {
-    /// Number of further steps that start with Newton's method. Only steps after which the fixed point may contract count down.
+    /// Number of further steps that start with Newton's method. Only steps after which the fixed point may
+    /// contract count down.
     steps: u8,
     /// Consecutive trials of the fixed point that Newton's method had to finish.
     in_vain: u8,
@@ -30,7 +31,8 @@ pub(super) struct Preference {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Solution {
     FixedPoint,
-    /// Newton's method came first; `may_contract` if `J` is close to the identity, where the fixed point contracts, too.
+    /// Newton's method came first; `may_contract` if `J` is close to the identity, where the fixed point
+    /// contracts, too.
     Newton {
         may_contract: bool,
     },

@@ -8,8 +8,8 @@ use crate::scheme::poles::Poles;
 /// The unknowns of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknowns {
-    /// None: `v` and then `u` are assigned. No element reads both halves of the phase space, and those whose forces depend on
-    /// coordinates stand at the nodes.
+    /// None: `v` and then `u` are assigned. No element reads both halves of the phase space, and those whose
+    /// forces depend on coordinates stand at the nodes.
     None,
     /// `v`, from which `u` follows.
     Momenta,
@@ -38,7 +38,8 @@ impl Unknowns {
     }
 }
 
-/// A quadrature point of the discrete Lagrangian, and the part of the step Hamiltonian that is evaluated there.
+/// A quadrature point of the discrete Lagrangian, and the part of the step Hamiltonian that is evaluated
+/// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stage {
     /// `c` in `Q = q_i + c u`, `T = t_i + c h`.
@@ -83,7 +84,8 @@ pub struct Quadrature {
 }
 
 impl Quadrature {
-    /// Whether implicit steps in numbers with derivatives are solved for the values first. Linear equations are solved by one correction in any numbers.
+    /// Whether implicit steps in numbers with derivatives are solved for the values first. Linear equations
+    /// are solved by one correction in any numbers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) const fn takes_values_first<S: Scalar>(&self) -> bool {
         S::IS_PLAIN_DUAL && !self.is_linear && !matches!(self.unknowns, Unknowns::None)
@@ -94,7 +96,8 @@ impl Quadrature {
         Self { stages, update, unknowns: Unknowns::Momenta, remembers: false, is_linear: false }
     }
 
-    /// The ratio of the change of the momenta to `v`, if it is constant; infinite if `D_1 L_d` has no slopes, so that `v` is zero.
+    /// The ratio of the change of the momenta to `v`, if it is constant; infinite if `D_1 L_d` has no slopes,
+    /// so that `v` is zero.
     #[doc(hidden)]
     pub const fn factor(&self) -> Option<f64> {
         if let MomentumUpdate::Multiple(factor) = self.update {
@@ -139,7 +142,8 @@ impl Quadrature {
                 match *part {
                     DRIFT => means[0] += *weight * stage.point,
                     NOISE => means[1] += *weight * stage.point,
-                    // A counter-term has products of increments, and forces beside the drift have the points of the drift.
+                    // A counter-term has products of increments, and forces beside the drift have the points
+                    // of the drift.
                     COUNTER_TERM => return None,
                     _ => {}
                 }

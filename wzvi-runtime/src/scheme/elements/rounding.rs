@@ -1,7 +1,8 @@
-//! The residual of a step in numbers that track their rounding error: whether a residual exceeds its rounding.
+//! The residual of a step in numbers that track their rounding error: whether a residual exceeds its
+//! rounding.
 //!
-//! Each unknown is judged by the terms of its own equation, independently of other sites. The pass costs several times as much
-//! as an iteration, and is made only when the iteration makes no further progress.
+//! Each unknown is judged by the terms of its own equation, independently of other sites. The pass costs
+//! several times as much as an iteration, and is made only when the iteration makes no further progress.
 
 use super::Elements;
 use super::memory::{Lists, Work};
@@ -51,8 +52,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         lists.correction
     }
 
-    /// The largest correction, relative to the largest unknown of its kind, of the unknowns whose equations are still not at rounding; 0 if
-    /// all are. An equation that had no correction but has crossed a condition counts with its residual.
+    /// The largest correction, relative to the largest unknown of its kind, of the unknowns whose equations
+    /// are still not at rounding; 0 if all are. An equation that had no correction but has crossed a
+    /// condition counts with its residual.
     #[cold]
     #[inline(never)]
     pub(super) fn beyond_rounding(self, lists: Lists<'_, S>, rounding: &mut Option<Box<Rounding>>) -> f64 {
@@ -65,7 +67,8 @@ fn read_nearest<S: Scalar>(from: &[S], into: &mut [Rounded]) {
     into.iter_mut().zip(from).for_each(|(into, number)| *into = Rounded::nearest(number.lane(0)));
 }
 
-/// The largest correction relative to the size of its kind, of those whose residual is more than its rounding.
+/// The largest correction relative to the size of its kind, of those whose residual is more than its
+/// rounding.
 fn beyond<S: Scalar>(sizes: [f64; 2], correction: &[S], residual: &[Rounded]) -> f64 {
     let left =
         correction.iter().zip(residual).enumerate().filter(|(_, (_, residual))| !residual.is_below(1.0));

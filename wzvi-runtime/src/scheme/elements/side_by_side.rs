@@ -1,7 +1,8 @@
 //! The fixed point of independent paths in the lanes of a number.
 //!
-//! Each path takes the decisions that it takes alone, by the same comparisons. Its unknowns stay as they are once its equations are solved, while
-//! those of others go on. Where a path needs more than a fixed point that contracts, all go alone in this step.
+//! Each path takes the decisions that it takes alone, by the same comparisons. Its unknowns stay as they are
+//! once its equations are solved, while those of others go on. Where a path needs more than a fixed point
+//! that contracts, all go alone in this step.
 
 use super::costs::{Costs, FAST};
 use super::iterate::{IterationState, NEARLY_SOLVED, ROUNDING};
@@ -14,11 +15,12 @@ use crate::algebra::solve::astray;
 use crate::error::StepFailure;
 use crate::scheme::plan::Facts;
 
-/// The most degrees of freedom of paths of an implicit scheme that go side by side: the lists of many larger ones fill the cache.
+/// The most degrees of freedom of paths of an implicit scheme that go side by side: the lists of many larger
+/// ones fill the cache.
 const MOST: usize = 64;
 
-/// Whether paths of an implicit scheme are solved side by side: not where the slopes of each are in vector instructions by themselves. Linear equations
-/// are solved with kept factors.
+/// Whether paths of an implicit scheme are solved side by side: not where the slopes of each are in vector
+/// instructions by themselves. Linear equations are solved with kept factors.
 pub(super) const fn go_side_by_side(facts: &Facts, quadrature: &Quadrature) -> bool {
     let takes_vectors = facts.has_pairs || facts.gathers.by_q || facts.gathers.by_p;
     let is_small = facts.degrees <= MOST && !(takes_vectors && facts.degrees >= LEAST_IN_COLUMNS);

@@ -1,8 +1,9 @@
-//! The discrete Euler-Lagrange equations of one step, `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P` at trial values of the unknowns.
+//! The discrete Euler-Lagrange equations of one step, `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P` at trial values of
+//! the unknowns.
 //!
-//! This code is inlined into the step of one system by one scheme, where the table of the scheme and often the number of
-//! degrees of freedom are constants: loops over stages or parts and checks of lengths disappear. Where neither speed nor
-//! allocation matters, it is compiled once for all schemes.
+//! This code is inlined into the step of one system by one scheme, where the table of the scheme and often
+//! the number of degrees of freedom are constants: loops over stages or parts and checks of lengths
+//! disappear. Where neither speed nor allocation matters, it is compiled once for all schemes.
 
 use super::memory::Lists;
 use super::passes::{add, are_finite};
@@ -81,8 +82,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// The correction `x - φ(x)` of the scheme's unknowns, which is `(∂L_d/∂P, -D_1 L_d - p_i)` or the second component
-    /// alone; leaves `u`, `P`, the stages and slopes.
+    /// The correction `x - φ(x)` of the scheme's unknowns, which is `(∂L_d/∂P, -D_1 L_d - p_i)` or the second
+    /// component alone; leaves `u`, `P`, the stages and slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn residual(&self, lists: &mut Lists<'_, S>) {
         self.refresh(lists);
@@ -140,8 +141,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Adds `Σ ∂F/∂p` at `P` to `u`, where the sum does not depend on `u`: elements that read coordinates and momenta are
-    /// then at the node `q_i`, by the choice of unknowns. Their slopes by coordinates go to `by_q`.
+    /// Adds `Σ ∂F/∂p` at `P` to `u`, where the sum does not depend on `u`: elements that read coordinates and
+    /// momenta are then at the node `q_i`, by the choice of unknowns. Their slopes by coordinates go to
+    /// `by_q`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S], columns: &mut PairColumns) {
         for stage in self.scheme.stages {
@@ -289,8 +291,8 @@ fn damp<S: Scalar>(dp: &mut [S], p: &[S], decay: S) {
     dp.iter_mut().zip(p).for_each(|(dp, &p)| *dp = *dp + (p + *dp) * decay);
 }
 
-/// [`slopes`] as a separate function: inlining loses the information that its lists do not overlap, which numbers
-/// of several parts need for speed.
+/// [`slopes`] as a separate function: inlining loses the information that its lists do not overlap, which
+/// numbers of several parts need for speed.
 #[inline(never)]
 fn slopes_apart<H: Elements, S: Scalar>(
     system: &H,
@@ -305,7 +307,8 @@ fn slopes_apart<H: Elements, S: Scalar>(
 }
 
 impl<S: Scalar> Lists<'_, S> {
-    /// Adds the increments of a step, `u` and `by_p`, to the state. All sums are computed before any is stored.
+    /// Adds the increments of a step, `u` and `by_p`, to the state. All sums are computed before any is
+    /// stored.
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if a sum is not finite.

@@ -1,7 +1,7 @@
 //! The sums that the slopes of elements are added to.
 //!
-//! The loops of a system give the places and the values that a run of placements adds. The types here decide whether these go to a
-//! vector, to the part of a vector in a window, or directly to the new state.
+//! The loops of a system give the places and the values that a run of placements adds. The types here decide
+//! whether these go to a vector, to the part of a vector in a window, or directly to the new state.
 
 use std::ops::{Index, Range};
 
@@ -37,16 +37,16 @@ pub trait Sums<S: Scalar> {
     /// The `values` of the outermost loop number `variable` whose placements add to any of the sums.
     fn outer(&self, variable: usize, values: Range<isize>) -> Self::Outer;
 
-    /// How many of `len` placements to skip, and how many to take then. The placements add to consecutive points of `D` components from
-    /// the places `first` on.
+    /// How many of `len` placements to skip, and how many to take then. The placements add to consecutive
+    /// points of `D` components from the places `first` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
         let _ = first;
         (0, len)
     }
 
-    /// The first and the number of the placements `low..end` of a loop that are taken, by [`Sums::clip`]; placement `low` adds to the places
-    /// `first`.
+    /// The first and the number of the placements `low..end` of a loop that are taken, by [`Sums::clip`];
+    /// placement `low` adds to the places `first`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn stretch<const D: usize, const N: usize>(
         &self,
@@ -80,7 +80,8 @@ pub trait Sums<S: Scalar> {
         false
     }
 
-    /// Called before the rows of an element whose partners are points of `D` components in the coordinates `q`.
+    /// Called before the rows of an element whose partners are points of `D` components in the coordinates
+    /// `q`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin_rows<const D: usize>(&mut self, _q: &[S]) {}
 
@@ -133,8 +134,9 @@ pub fn stretch(low: isize, end: isize) -> (isize, usize) {
     (low, if low < end { (end - low) as usize } else { 0 })
 }
 
-/// How many of `len` placements may be taken together if their slopes are first added to the places from `first` on and then to
-/// those from `second` on, such that each place gets its slopes in the order of the placements.
+/// How many of `len` placements may be taken together if their slopes are first added to the places from
+/// `first` on and then to those from `second` on, such that each place gets its slopes in the order of the
+/// placements.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn apart(len: usize, first: usize, second: usize) -> usize {
     if second > first { len.min(second - first) } else { len }

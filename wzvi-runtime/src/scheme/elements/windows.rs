@@ -1,16 +1,17 @@
 //! Explicit steps of large systems, window by window, in the best vector instructions of the machine.
 //!
-//! A window of the vectors stays in the first-level cache while its forces are added to the momenta and the resulting velocities
-//! to the coordinates:
+//! A window of the vectors stays in the first-level cache while its forces are added to the momenta and the
+//! resulting velocities to the coordinates:
 //!
 //! ```text
 //! P[i] = p[i] - (Σ ∂V/∂q)[i],   q'[i] = q[i] + (Σ ∂T/∂p)(P)[i]
 //! ```
 //!
-//! A step is a sequence of such [rounds](order): one for `DeltaPlus`, two for `Verlet`. The new state is written to separate vectors,
-//! as neighbours still read the old one, and replaces it once all of it is known to be finite. Every loop runs over adjacent entries
-//! without branches, so that it is vectorised. Each sum gets its terms in the order of one pass over all placements, no operation is
-//! fused and no sum is split, so that the bits depend neither on windows nor on instructions.
+//! A step is a sequence of such [rounds](order): one for `DeltaPlus`, two for `Verlet`. The new state is
+//! written to separate vectors, as neighbours still read the old one, and replaces it once all of it is known
+//! to be finite. Every loop runs over adjacent entries without branches, so that it is vectorised. Each sum
+//! gets its terms in the order of one pass over all placements, no operation is fused and no sum is split, so
+//! that the bits depend neither on windows nor on instructions.
 
 mod check;
 mod explicit;
@@ -44,7 +45,8 @@ use crate::scheme::system::Movable;
 /// Degrees of freedom from which steps go window by window; a smaller system is a single window anyway.
 pub const LEAST_IN_WINDOWS: usize = 96;
 
-/// Number of places of a window. Five stretches of this length are in use at a time: forces, and both halves of the state before and after.
+/// Number of places of a window. Five stretches of this length are in use at a time: forces, and both halves
+/// of the state before and after.
 const SIZE: usize = 512;
 
 /// Windows begin at multiples of this.
@@ -53,12 +55,13 @@ pub(crate) const BLOCK: usize = 64;
 /// Numbers in a cache line; sums are aligned to one.
 const LINE: usize = 8;
 
-/// Degrees of freedom up to which the last force is kept for the next step. In larger systems the force and its coordinates would go
-/// through main memory, which takes longer than a new evaluation.
+/// Degrees of freedom up to which the last force is kept for the next step. In larger systems the force and
+/// its coordinates would go through main memory, which takes longer than a new evaluation.
 const MOST_KEPT: usize = 1 << 15;
 
-/// Least number of degrees of freedom for each thread: a step of this size takes some 200 µs, and starting and joining a thread some 50 µs,
-/// up to 100 µs on a busy machine (`cargo bench --workspace --bench elements -- memory`).
+/// Least number of degrees of freedom for each thread: a step of this size takes some 200 µs, and starting
+/// and joining a thread some 50 µs, up to 100 µs on a busy machine
+/// (`cargo bench --workspace --bench elements -- memory`).
 const LEAST_OF_THREAD: usize = 1 << 17;
 
 /// The windows of a system, made by the first step, and the threads that share them.
@@ -74,7 +77,8 @@ impl WindowPlan {
         Self { threads: self.threads, plan: None }
     }
 
-    /// Goes window by window on this many threads: [`Request::Share`](crate::algebra::memory::Request::Share).
+    /// Goes window by window on this many threads:
+    /// [`Request::Share`](crate::algebra::memory::Request::Share).
     pub(crate) fn share(&mut self, threads: Threads) {
         *self = Self { threads, plan: None };
     }
@@ -224,7 +228,8 @@ impl Plan {
         first == Some(known) && self.instructions.run(IsSame(&self.kept.q, q))
     }
 
-    /// The data of a step from `q` and `p`: common to all turns, of each thread, of the remaining turns, and the output lists.
+    /// The data of a step from `q` and `p`: common to all turns, of each thread, of the remaining turns, and
+    /// the output lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts<'a>(
         &'a mut self,
@@ -257,7 +262,8 @@ impl Plan {
             && instructions.run(Job::<_, _, H::Usual, true>::new(step, system, word, rest, all))
     }
 
-    /// The same on one thread in exact numbers, for arguments that vectorised functions do not cover. Fails if the state is not finite.
+    /// Takes all turns on one thread in exact numbers, for arguments that vectorised functions do not cover.
+    /// Fails if the state is not finite.
     #[cold]
     #[inline(never)]
     fn take_exactly<H: Elements + Sync, W: Word>(&mut self, system: &H, word: W, state: [&[f64]; 2]) -> bool {

@@ -11,9 +11,9 @@ use crate::algebra::state::Vector;
 use crate::scheme::elements::PairColumns;
 use crate::scheme::system::{Hamiltonian as _, Segment};
 
-/// `L_d(q_i, q_{i+1}, P) = A(q_i, P) + R · (q_{i+1} - Q)`, where the step from `(q_i, P)` leads to `(Q, R)` and `A` is the sum of
-/// `b_i [P_i · V_i - F(P_i, Q_i)]` over its stages: the same extension as that of compositions. NaN where the step has no
-/// solution.
+/// `L_d(q_i, q_{i+1}, P) = A(q_i, P) + R · (q_{i+1} - Q)`, where the step from `(q_i, P)` leads to `(Q, R)`
+/// and `A` is the sum of `b_i [P_i · V_i - F(P_i, Q_i)]` over its stages: the same extension as that of
+/// compositions. NaN where the step has no solution.
 pub(super) fn value<F: Field, const N: usize>(
     system: &F,
     Prepared { parameters, friction, common }: &PreparedOf<F, f64, N>,

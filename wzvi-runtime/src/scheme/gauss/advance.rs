@@ -26,7 +26,8 @@ pub struct Prepared<P, const N: usize, K = f64> {
 #[derive(Clone, Debug)]
 pub(super) struct Common<const N: usize> {
     table: Table<N>,
-    /// The linear part of a stiff force. It affects the convergence of sweeps, not their result, and so carries no derivatives.
+    /// The linear part of a stiff force. It affects the convergence of sweeps, not their result, and so
+    /// carries no derivatives.
     modes: Option<Modes<N>>,
     /// Friction that is part of the step.
     instructions: InstructionSet,
@@ -35,7 +36,8 @@ pub(super) struct Common<const N: usize> {
 /// The constants of a system.
 pub(super) type PreparedOf<F, K, const N: usize> = Prepared<Of<<F as Field>::Parameters, K>, N, K>;
 
-/// Friction of a rate `γ` in the momentum `π = e^{γ τ} p`, `τ` after the start of the step, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian.
+/// Friction of a rate `γ` in the momentum `π = e^{γ τ} p`, `τ` after the start of the step, for which
+/// `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Friction<const N: usize, K = f64> {
     /// `e^{γ c_i h}`
@@ -56,7 +58,7 @@ impl<const N: usize, K: Constant> Friction<N, K> {
         }
     }
 
-    /// Of one lane.
+    /// The factors of one lane.
     pub(super) fn lane(&self, lane: usize) -> Friction<N> {
         let [scale, inverse] = [self.scale, self.inverse].map(|list| list.map(|factor| factor.lane(lane)));
         Friction { scale, inverse, decay: self.decay.lane(lane) }
@@ -136,7 +138,8 @@ pub(super) fn advance<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: u
     let step =
         ToTake::<F, K, S, C, N, CAREFUL> { system, parameters, friction, common, t, h, q, p, dw, carry };
     let run = Run { step, memory };
-    // Numbers other than `f64` are scalar or are vectors already; careful steps are not compiled for each instruction set.
+    // Numbers other than `f64` are scalar or are vectors already; careful steps are not compiled for each
+    // instruction set.
     if size_of::<S>() == size_of::<f64>() && !S::IS_BESIDE && !CAREFUL {
         common.instructions.run(run)
     } else {
@@ -172,7 +175,7 @@ struct ToTake<'a, F: Field, K: Constant, S, C, const N: usize, const CAREFUL: bo
     carry: &'a mut C,
 }
 
-/// The same with a memory.
+/// A step to take, with its memory.
 struct Run<'a, F: Field, K: Constant, S: Scalar, C, const N: usize, const CAREFUL: bool> {
     step: ToTake<'a, F, K, S, C, N, CAREFUL>,
     memory: &'a mut MemoryOf<F, S, N>,
@@ -219,7 +222,8 @@ impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREF
         };
         let Solved { effort, waits } = solved?;
         left.waits = waits;
-        // With noise the slopes do not predict the next step, but the dense output of a single path needs them.
+        // With noise the slopes do not predict the next step, but the dense output of a single path needs
+        // them.
         if !S::IS_BESIDE || dw.is_empty() {
             let [by_p, by_q] = &mut left.past;
             if !S::IS_BESIDE || !F::IS_NYSTROM {

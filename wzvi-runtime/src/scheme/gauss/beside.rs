@@ -1,8 +1,8 @@
 //! Solution of the equations of a step: for one path, and for paths in lanes.
 //!
-//! Paths in lanes are swept together until each has ended by its own criterion, and a path keeps the result of its own last sweep. A path whose
-//! sweeps do not contract is solved alone, as by a [`Stepper`](crate::path::step::Stepper). So the bits of a path do not depend on its
-//! neighbours.
+//! Paths in lanes are swept together until each has ended by its own criterion, and a path keeps the result
+//! of its own last sweep. A path whose sweeps do not contract is solved alone, as by a
+//! [`Stepper`](crate::path::step::Stepper). So the bits of a path do not depend on its neighbours.
 
 use super::Field;
 use super::advance::advance;
@@ -124,8 +124,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         })
     }
 
-    /// The starting stages: from the slopes of a part of the same step, by extrapolation of the last step (without noise only), or those of the
-    /// state.
+    /// The starting stages: from the slopes of a part of the same step, by extrapolation of the last step
+    /// (without noise only), or those of the state.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin<const CAREFUL: bool>(&self, lists: &mut Lists<S, F::Shape, N>, left: &mut LeftOf<F, S, N>) {
         if CAREFUL && left.is_held {
@@ -195,7 +195,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         Ok(solved)
     }
 
-    /// Solves for the stages of one path, and for the derivatives that its numbers carry: first for the values alone, then by one factorisation.
+    /// Solves for the stages of one path, and for the derivatives that its numbers carry: first for the
+    /// values alone, then by one factorisation.
     ///
     /// # Errors
     /// The errors of the step, and of [`Step::differentiate_stages`].

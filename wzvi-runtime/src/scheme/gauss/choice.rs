@@ -50,8 +50,9 @@ pub(super) fn newton_in_sweeps(stages: usize, kinds: usize, degrees: usize) -> f
     ITERATIONS * (derivatives + elimination) / sweep
 }
 
-/// Whether so many derivatives cost less by one factorisation than by sweeps in numbers that carry `carried` of them, none of which is in vector
-/// instructions. Derivatives take twice as many sweeps as their values. Sizes are the numbers of stages, kinds of unknowns and degrees of freedom.
+/// Whether so many derivatives cost less by one factorisation than by sweeps in numbers that carry `carried`
+/// of them, none of which is in vector instructions. Derivatives take twice as many sweeps as their values.
+/// Sizes are the numbers of stages, kinds of unknowns and degrees of freedom.
 pub(super) fn is_factored_once(size: [usize; 3], derivatives: usize, carried: usize) -> bool {
     let [n, k, d] = size.map(|number| number as f64);
     let (slopes, unknowns) = (SLOPES * d, n * k * d);
@@ -101,7 +102,7 @@ impl<S: Scalar> Waits<S> {
         S::from_f64(0.0).less(self.steps)
     }
 
-    /// Those of one path.
+    /// The steps of one path.
     pub(super) fn lane(self, lane: usize) -> Waits<f64> {
         Waits { steps: self.steps.lane(lane), last: self.last.lane(lane) }
     }
@@ -142,7 +143,8 @@ mod tests {
         assert!(!finish(1e9, [f64::NAN, 0.5], 0.1) && !finish(1e9, [1.0, f64::NAN], 0.1));
     }
 
-    /// One factorisation serves the four derivatives of two degrees of freedom, and all of a chain; not one derivative of many.
+    /// One factorisation serves the four derivatives of two degrees of freedom, and all of a chain; not one
+    /// derivative of many.
     #[test]
     fn columns_are_worth_a_factorisation() {
         assert!(is_factored_once([8, 1, 2], 4, 4) && is_factored_once([2, 1, 66], 132, 4));

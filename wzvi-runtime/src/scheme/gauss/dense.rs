@@ -1,10 +1,12 @@
 //! The collocation polynomial of a Gauss method, from the slopes at its stages.
 //!
-//! The polynomial `u` of degree `S` with `u'(c_i) = J∇F(U_i)` has `u' = Σ_k a_k P_k(2θ - 1)` with `a_k = (2k + 1) Σ_i b_i P_k(2c_i - 1) J∇F(U_i)`: the
-//! quadrature is exact for products of two such polynomials.
+//! The polynomial `u` of degree `S` with `u'(c_i) = J∇F(U_i)` has `u' = Σ_k a_k P_k(2θ - 1)` with
+//! `a_k = (2k + 1) Σ_i b_i P_k(2c_i - 1) J∇F(U_i)`: the quadrature is exact for products of two such
+//! polynomials.
 //!
-//! In the Nyström form the momenta of the stages are eliminated, and the coordinates follow from the polynomial `u_p = p + Σ_k a_k ∫ P_k` of the
-//! momenta by `u'_q = ∂F/∂p(u_p)`, with degree `S + 1`. Since `∂F/∂p` is linear, it maps the coefficients `c_k` of `u_p` to those of `u'_q`,
+//! In the Nyström form the momenta of the stages are eliminated, and the coordinates follow from the
+//! polynomial `u_p = p + Σ_k a_k ∫ P_k` of the momenta by `u'_q = ∂F/∂p(u_p)`, with degree `S + 1`. Since
+//! `∂F/∂p` is linear, it maps the coefficients `c_k` of `u_p` to those of `u'_q`,
 //!
 //! ```text
 //! c_0 = p + a_0/2 - a_1/6,   c_k = a_{k-1} / (2(2k - 1)) - a_{k+1} / (2(2k + 3)),   a_k = 0 for k ≥ S
@@ -20,7 +22,8 @@ use crate::scheme::dense::{Slopes, hermite_order};
 use crate::scheme::elements::PairColumns;
 use crate::scheme::plan::Plan;
 
-/// The order of the collocation polynomial. With one stage it is a straight line, and the cubic of the mid-point step replaces it.
+/// The order of the collocation polynomial. With one stage it is a straight line, and the cubic of the
+/// mid-point step replaces it.
 pub(super) const fn dense_order(stages: u32, plan: &Plan) -> u32 {
     if stages == 1 { hermite_order(plan) } else { stages + 1 }
 }

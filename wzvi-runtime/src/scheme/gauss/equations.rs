@@ -88,8 +88,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         S::Stages::weighted(h, &self.common.table().b, part)
     }
 
-    /// Computes stages from slopes at the same or other stages, by the columns of `once` (integrals of the slopes) or, in Nyström
-    /// form, `twice` (double integrals). `seen` sees each replacement.
+    /// Computes stages from slopes at the same or other stages, by the columns of `once` (integrals of the
+    /// slopes) or, in Nyström form, `twice` (double integrals). `seen` sees each replacement.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn place(
         &self,
@@ -123,7 +123,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         }
     }
 
-    /// The same in Nyström form, where `∂F/∂p` does not read the coordinates and `∂F/∂q` does not read the momenta.
+    /// Places the coordinates in Nyström form, where `∂F/∂p` does not read the coordinates and `∂F/∂q` does
+    /// not read the momenta.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn place_coordinates(
         &self,

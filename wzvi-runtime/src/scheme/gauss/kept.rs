@@ -84,8 +84,8 @@ pub(super) fn hand_values<S: Scalar, H: Shape, W: Shape, const N: usize>(
 /// Scratch for a part of the stages of a system.
 pub(super) type Room<F, S, const N: usize> = Scratch<S, <F as Elements>::Shape, <F as Field>::Noises, N>;
 
-/// Scratch for the equations in numbers that carry their rounding error. Few steps need it, so it is allocated by the
-/// first that does, and kept.
+/// Scratch for the equations in numbers that carry their rounding error. Few steps need it, so it is
+/// allocated by the first that does, and kept.
 #[derive(Debug)]
 pub(super) struct Exact<H: Shape, W: Shape, const N: usize>(Option<Box<ExactLists<H, W, N>>>);
 

@@ -1,8 +1,8 @@
 //! Newton's method on all stages, for steps on which it costs less than sweeps ([`choice`](super::choice)).
 //!
-//! `Y - φ(Y) = 0` has the Jacobian `1 - A ⊗ J F''` with the second derivatives of `F` at every stage, from its slopes by dual
-//! numbers. It is factored densely, as sweeps fail for stiff forces of few degrees of freedom. The iteration is that of all hard
-//! steps ([`damped`]).
+//! `Y - φ(Y) = 0` has the Jacobian `1 - A ⊗ J F''` with the second derivatives of `F` at every stage, from
+//! its slopes by dual numbers. It is factored densely, as sweeps fail for stiff forces of few degrees of
+//! freedom. The iteration is that of all hard steps ([`damped`]).
 
 use super::Field;
 use super::choice::{is_factored_once, newton_in_sweeps};
@@ -79,7 +79,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         newton_in_sweeps(N, Equations::<F, K, S, N>::KINDS, self.start[0].len())
     }
 
-    /// Whether the derivatives that numbers carry follow from one factorisation, rather than from sweeps in these numbers.
+    /// Whether the derivatives that numbers carry follow from one factorisation, rather than from sweeps in
+    /// these numbers.
     pub(super) fn factors_once(&self, left: &LeftOf<F, S, N>) -> bool {
         if self.unknowns() > Self::MOST_UNKNOWNS {
             return false;
@@ -120,8 +121,9 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         Ok(Solved { effort, waits: left.waits.after_newton() })
     }
 
-    /// The derivatives of the stages, whose values follow from the slopes of the lists: `Y' = (1 - ∂φ/∂Y)⁻¹ φ'`, with `φ'` the derivatives of `φ` at stages
-    /// without any. `are_factored`: the matrix has been factored there.
+    /// The derivatives of the stages, whose values follow from the slopes of the lists:
+    /// `Y' = (1 - ∂φ/∂Y)⁻¹ φ'`, with `φ'` the derivatives of `φ` at stages without any. `are_factored`: the
+    /// matrix has been factored there.
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] where second derivatives are not finite, [`StepFailure::Singular`].
@@ -163,7 +165,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         Ok(())
     }
 
-    /// The slopes of `F` and their derivatives along one of its arguments, with the weight of stage number `stage`, or without.
+    /// The slopes of `F` and their derivatives along one of its arguments, with the weight of stage number
+    /// `stage`, or without.
     fn vary<T: Scalar>(
         &self,
         jacobian: &mut Jacobian<T>,
@@ -363,7 +366,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
     }
 }
 
-/// Removes the rows and columns with entries that are not finite from a matrix of this size; returns the number of these entries.
+/// Removes the rows and columns with entries that are not finite from a matrix of this size; returns the
+/// number of these entries.
 fn leave_out(matrix: &mut [f64], size: usize) -> usize {
     let left_out = matrix.iter().filter(|entry| !entry.is_finite()).count();
     if left_out > 0 {

@@ -110,7 +110,8 @@ pub(super) struct Parts<S: Scalar, H: Shape, W: Shape, const N: usize> {
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
-    /// Scratch for so many degrees of freedom and noises. If all stages are one part, it is empty: the lists themselves are used.
+    /// Scratch for so many degrees of freedom and noises. If all stages are one part, it is empty: the lists
+    /// themselves are used.
     pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
         let is_needed = <S::Stages<N> as Stages<S, N>>::PARTS > 1;
         let (degrees, noises) = if is_needed { (degrees, noises) } else { (0, 0) };

@@ -1,14 +1,14 @@
 //! Sweeps with the linear part of a stiff force split off.
 //!
-//! With `V = q · K q / 2 + U(q, t)` and constant `K`, sweeps contract like `h² ρ(A²) |U''|` if the linear force is solved
-//! implicitly:
+//! With `V = q · K q / 2 + U(q, t)` and constant `K`, sweeps contract like `h² ρ(A²) |U''|` if the linear
+//! force is solved implicitly:
 //!
 //! ```text
 //! Q ← Q + (1 + h² A² ⊗ M⁻¹K)⁻¹ (φ(Q) - Q)
 //! ```
 //!
-//! In the eigenvectors of `M⁻¹K`, which are those of the symmetric `Lᵀ K L` with `M⁻¹ = L Lᵀ`, that is one matrix over the
-//! stages for each eigenvalue, computed once per step size.
+//! In the eigenvectors of `M⁻¹K`, which are those of the symmetric `Lᵀ K L` with `M⁻¹ = L Lᵀ`, that is one
+//! matrix over the stages for each eigenvalue, computed once per step size.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -26,8 +26,8 @@ const FAST: f64 = 0.1;
 #[derive(Clone, Debug)]
 pub(super) struct Modes<const N: usize> {
     filters: Vec<[[f64; N]; N]>,
-    /// The matrix with the eigenvectors as columns and its inverse, both row-major; `None` if degrees of freedom are not
-    /// coupled.
+    /// The matrix with the eigenvectors as columns and its inverse, both row-major; `None` if degrees of
+    /// freedom are not coupled.
     basis: Option<[Vec<f64>; 2]>,
 }
 
@@ -174,13 +174,14 @@ pub(super) fn inverse_mass<F: Field>(
     matrix
 }
 
-/// `a b`, summed in one order on every machine: nalgebra's product of large matrices is fused where the machine can do that.
+/// `a b`, summed in one order on every machine: nalgebra's product of large matrices is fused where the
+/// machine can do that.
 fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(a.nrows(), b.ncols(), |i, j| (0..a.ncols()).map(|k| a[(i, k)] * b[(k, j)]).sum())
 }
 
-/// `|B^4096|^(1/4096)`, by squaring: the spectral radius up to a factor of at most `κ^(1/4096)`, `κ` the condition of the
-/// eigenvectors of `B`.
+/// `|B^4096|^(1/4096)`, by squaring: the spectral radius up to a factor of at most `κ^(1/4096)`, `κ` the
+/// condition of the eigenvectors of `B`.
 fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     let (mut power, mut logarithm) = (matrix.clone(), 0.0);
     for doubling in 0..=12 {

@@ -13,10 +13,11 @@ use crate::error::StepFailure;
 
 /// The most sweeps: more than the slowest contraction that goes on takes to rounding, `ln ε / ln 0.8 = 162`.
 const MOST_SWEEPS: u32 = 200;
-/// A sweep whose relative change exceeds this, and half of that of the sweep before, may lead to another solution.
+/// A sweep whose relative change exceeds this, and half of that of the sweep before, may lead to another
+/// solution.
 const WILD: f64 = 1.0 / 16.0;
-/// With care, this and a quarter of that before: a map that contracts all distances to a quarter has one fixed point, within a third of the first
-/// change.
+/// With care, this and a quarter of that before: a map that contracts all distances to a quarter has one
+/// fixed point, within a third of the first change.
 const DOUBTFUL: f64 = 1.0 / 4096.0;
 /// Sweeps before their contraction is judged: the first ones need not contract.
 const PATIENCE: u32 = 6;
@@ -31,8 +32,9 @@ const ROUNDING: f64 = f64::EPSILON;
 /// A sweep that changes no more than this is the last, whatever the contraction.
 const SMALL: f64 = 0.0005 * ROUNDING;
 
-/// The change that the next sweep may still make, in units of rounding. It is not random as rounding is, and so adds up over many steps. (With a
-/// fiftieth the energy of a Kepler orbit drifts by as much in each step; with this it walks at random.)
+/// The change that the next sweep may still make, in units of rounding. It is not random as rounding is, and
+/// so adds up over many steps. (With a fiftieth the energy of a Kepler orbit drifts by as much in each step;
+/// with this it walks at random.)
 pub(super) const UNSEEN: f64 = 1e-6;
 
 /// How a step was solved.
@@ -61,7 +63,8 @@ pub(super) struct Relative<'a, S: Scalar, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Relative<'_, S, N> {
-    /// Half of the phase space, degree of freedom, a part of the old stages and the same part of the new ones.
+    /// Half of the phase space, degree of freedom, a part of the old stages and the same part of the new
+    /// ones.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn see(&mut self, half: usize, d: usize, old: Part<S, N>, new: Part<S, N>) {
         let start = S::Stages::<N>::same(self.start[half][d]);
@@ -84,7 +87,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         self.place(into, [&self.common.table().mu, &self.common.table().eta], room, seen);
     }
 
-    /// Sweeps from the current stages until all `wanted` paths have ended. The slopes are then those of the last sweep of each path.
+    /// Sweeps from the current stages until all `wanted` paths have ended. The slopes are then those of the
+    /// last sweep of each path.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn sweeps<const CAREFUL: bool>(
         &self,
@@ -105,7 +109,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             // Stored by stage, so that the maximum is vectorised.
             lists.changes = relative.changes;
             if S::IS_BESIDE {
-                // Opaque, since the compiler else cuts the lanes of the sweep as the decisions below would have them, down to two numbers.
+                // Opaque, since the compiler else cuts the lanes of the sweep as the decisions below would
+                // have them, down to two numbers.
                 lists.changes = std::hint::black_box(lists.changes);
             }
             let change = unbounded(S::Stages::largest(lists.changes));
@@ -224,7 +229,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         })
     }
 
-    /// `Y - φ(Y)` of the stages of one path, with the rounding of its terms: half of the phase space, degree of freedom, stage.
+    /// `Y - φ(Y)` of the stages of one path, with the rounding of its terms: half of the phase space, degree
+    /// of freedom, stage.
     pub(super) fn residuals(
         &self,
         lane: usize,

@@ -1,9 +1,10 @@
 //! The coefficients of the Gauss methods, for any number of stages.
 //!
-//! With `y_i = 2 c_i - 1` the roots of the Legendre polynomial `P_s`, and since `l_j(x) / b_j = Σ_k (2k+1) P_k(y_j) P_k(2x-1)`, every
-//! coefficient is a sum over `k < s` of `P_k(y_j)` times integrals of `P_k`, which are differences of Legendre polynomials
-//! (E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, section IV.5). All of it is computed with twice the
-//! digits and rounded once.
+//! With `y_i = 2 c_i - 1` the roots of the Legendre polynomial `P_s`, and since
+//! `l_j(x) / b_j = Σ_k (2k+1) P_k(y_j) P_k(2x-1)`, every coefficient is a sum over `k < s` of `P_k(y_j)`
+//! times integrals of `P_k`, which are differences of Legendre polynomials (E. Hairer, G. Wanner, *Solving
+//! Ordinary Differential Equations II*, section IV.5). All of it is computed with twice the digits and
+//! rounded once.
 
 use std::sync::OnceLock;
 
@@ -12,7 +13,8 @@ use super::wide::Wide;
 /// The most stages.
 pub(super) const MOST_STAGES: usize = 16;
 
-/// The coefficients of `N` stages. Matrices are column-major: `mu[j][i]` is `μ_ij`, so that all `i` are contiguous.
+/// The coefficients of `N` stages. Matrices are column-major: `mu[j][i]` is `μ_ij`, so that all `i` are
+/// contiguous.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Table<const N: usize> {
@@ -20,9 +22,11 @@ pub(super) struct Table<const N: usize> {
     pub(super) c: [f64; N],
     /// Weights.
     pub(super) b: [f64; N],
-    /// `a_ij / b_j`, with `μ_ij + μ_ji = 1` exactly: then the step is symplectic with the rounded coefficients.
+    /// `a_ij / b_j`, with `μ_ij + μ_ji = 1` exactly: then the step is symplectic with the rounded
+    /// coefficients.
     pub(super) mu: [[f64; N]; N],
-    /// `(A²)_ij / b_j = (1/b_j) Σ_k a_ik a_kj`, with `η_ij - η_ji = c_i - c_j` exactly: the same for the Nyström form.
+    /// `(A²)_ij / b_j = (1/b_j) Σ_k a_ik a_kj`, with `η_ij - η_ji = c_i - c_j` exactly: the same for the
+    /// Nyström form.
     pub(super) eta: [[f64; N]; N],
     /// `∫_1^{1 + c_i} l_j / b_j`: the stages of the next step from the slopes of this one.
     pub(super) nu: [[f64; N]; N],
@@ -30,7 +34,7 @@ pub(super) struct Table<const N: usize> {
     pub(super) kappa: [[f64; N]; N],
 }
 
-/// The same for a number of stages known at run time only.
+/// The coefficients for a number of stages known at run time only.
 struct Coefficients {
     c: Vec<f64>,
     b: Vec<f64>,
@@ -80,8 +84,9 @@ fn root(s: usize, i: usize) -> Wide {
     y
 }
 
-/// `(2k+1) ∫ P_k(2x - 1) dx` and its integral, `(2k+1) ∫∫ P_k`, from `2x - 1 = end` to `y`, for `k < s`; `end` is -1 or 1. If
-/// `sampled`, the inner one of the double integral is replaced by its interpolant at the nodes, where `P_s` vanishes.
+/// `(2k+1) ∫ P_k(2x - 1) dx` and its integral, `(2k+1) ∫∫ P_k`, from `2x - 1 = end` to `y`, for `k < s`;
+/// `end` is -1 or 1. If `sampled`, the inner one of the double integral is replaced by its interpolant at the
+/// nodes, where `P_s` vanishes.
 fn integrals(y: Wide, end: f64, s: usize, sampled: bool) -> Vec<[Wide; 2]> {
     let p = legendre(y, s + 1);
     // `P_{-1}` is the constant that makes the integral of `P_0` vanish at the end.
@@ -124,7 +129,8 @@ impl Coefficients {
         let round = |wide: Vec<Vec<Wide>>, round: fn(Wide) -> f64| -> Vec<Vec<f64>> {
             wide.into_iter().map(|column| column.into_iter().map(round).collect()).collect()
         };
-        // Numbers linked by an identity are rounded to a grid on which it is exact: some |μ_ij| exceed 1, no |η_ij| or c_i does.
+        // Numbers linked by an identity are rounded to a grid on which it is exact: some |μ_ij| exceed 1,
+        // no |η_ij| or c_i does.
         let mut mu = round(matrix(&from_start, 0), |mu| mu.on_grid(52));
         let mut eta = round(matrix(&from_start, 1), |eta| eta.on_grid(53));
         let c: Vec<f64> = c.into_iter().map(|c| c.on_grid(53)).collect();
@@ -204,7 +210,8 @@ mod tests {
         }
     }
 
-    /// A step back undoes a step if, with `i' = s + 1 - i`: `c_i' = 1 - c_i`, `b_i' = b_i`, `μ_i'j' = 1 - μ_ij` and `η_i'j' = η_ji`.
+    /// A step back undoes a step if, with `i' = s + 1 - i`: `c_i' = 1 - c_i`, `b_i' = b_i`,
+    /// `μ_i'j' = 1 - μ_ij` and `η_i'j' = η_ji`.
     #[test]
     fn coefficients_are_symmetric_to_the_last_bit() {
         for s in 1..=MOST_STAGES {

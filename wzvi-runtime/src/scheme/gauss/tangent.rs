@@ -245,7 +245,7 @@ impl<F: Field, const N: usize> Step<'_, F, f64, f64, N> {
         }
     }
 
-    /// The same at one stage.
+    /// The derivatives at one stage.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn differentiate_stage(
         &self,
@@ -396,7 +396,7 @@ impl<const N: usize> Linear<N> {
         self.rows.resize(N * unknowns * unknowns, Lanes::default());
         let (rows, products) =
             (&mut self.rows[..N * unknowns * unknowns], &self.products[..unknowns * unknowns]);
-        // Of stage `i`, by those of the others.
+        // The rows of stage `i`, by the stages.
         let mut by_rows = [Lanes::default(); N];
         for i in 0..N {
             let mut own = [0.0; N];

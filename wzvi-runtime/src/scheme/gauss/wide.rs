@@ -1,5 +1,5 @@
-//! Numbers with twice the digits: `high + low` (T. J. Dekker, "A floating-point technique for extending the available
-//! precision", Numer. Math. 18, 1971). Used for coefficients, which are computed once.
+//! Numbers with twice the digits: `high + low` (T. J. Dekker, "A floating-point technique for extending the
+//! available precision", Numer. Math. 18, 1971). Used for coefficients, which are computed once.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -16,7 +16,8 @@ impl Wide {
         self.high + self.low
     }
 
-    /// The nearest multiple of `2^-bits`, below `2^(53 - bits)`: sums and differences of such numbers do not round.
+    /// The nearest multiple of `2^-bits`, below `2^(53 - bits)`: sums and differences of such numbers do not
+    /// round.
     pub(super) fn on_grid(self, bits: i32) -> f64 {
         let scale = 2.0_f64.powi(bits);
         let high = self.high * scale;

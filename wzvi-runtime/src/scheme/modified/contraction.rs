@@ -1,5 +1,5 @@
-//! The value of a tree at a state: derivatives of `H` in directions, by dual numbers through the gradient that the compiler has
-//! derived.
+//! The value of a tree at a state: derivatives of `H` in directions, by dual numbers through the gradient
+//! that the compiler has derived.
 
 use std::collections::BTreeMap;
 
@@ -8,8 +8,8 @@ use crate::algebra::scalar::{Dual, Scalar};
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::Hamiltonian;
 
-/// Two functions: one makes the number `value + Σ_k slopes_k ε_k` with infinitesimals `ε_k² = 0`, one reads the coefficient of the product of all
-/// `ε_k`. They have one infinitesimal more than the given ones.
+/// Two functions: one makes the number `value + Σ_k slopes_k ε_k` with infinitesimals `ε_k² = 0`, one reads
+/// the coefficient of the product of all `ε_k`. They have one infinitesimal more than the given ones.
 #[expect(clippy::type_complexity, reason = "closures have no names")]
 fn one_more<S: Scalar>(
     (lift, product): (impl Fn(f64, &[f64]) -> S, impl Fn(S) -> f64),
@@ -85,7 +85,7 @@ impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
         slopes
     }
 
-    /// The same with numbers made and read by these functions: [`one_more`].
+    /// The derivative along directions, with numbers made and read by these functions: [`one_more`].
     fn along<S: Scalar>(
         &self,
         directions: &[(Half, Vec<f64>)],

@@ -1,5 +1,5 @@
-//! Series `Σ_n h^n Σ_τ c(τ) F(τ)` over trees `τ` of `n` vertices, with the Poisson bracket: they represent step
-//! maps and the Hamiltonians that generate them.
+//! Series `Σ_n h^n Σ_τ c(τ) F(τ)` over trees `τ` of `n` vertices, with the Poisson bracket: they represent
+//! step maps and the Hamiltonians that generate them.
 
 use std::collections::BTreeMap;
 use std::iter::successors;
@@ -10,7 +10,8 @@ use super::tree::{Half, Tree, rooted};
 /// `B_m / m!` for the Bernoulli numbers with `B_1 = 1/2`.
 const BERNOULLI: [f64; 7] = [1.0, 0.5, 1.0 / 12.0, 0.0, -1.0 / 720.0, 0.0, 1.0 / 30240.0];
 
-/// The highest order of a basis: the numbers of trees with 1 to 9 vertices are 1, 1, 3, 8, 27, 91, 350, 1376, 5743.
+/// The highest order of a basis: the numbers of trees with 1 to 9 vertices are 1, 1, 3, 8, 27, 91, 350,
+/// 1376, 5743.
 pub(super) const HIGHEST_ORDER: u32 = 6;
 
 /// The trees up to a number of vertices, and the brackets of each pair.
@@ -25,7 +26,8 @@ pub(super) struct Basis {
     brackets: BTreeMap<[usize; 2], Vec<Bracket>>,
 }
 
-/// The number of the tree of a rooted tree, its [edges](Tree::edges), and the inverse of the number of its symmetries.
+/// The number of the tree of a rooted tree, its [edges](Tree::edges), and the inverse of the number of its
+/// symmetries.
 struct Rooted {
     n: usize,
     edges: [i32; 2],
@@ -41,8 +43,8 @@ struct Bracket {
 }
 
 impl Basis {
-    /// The basis for the first terms of schemes of this order, computed once: up to `h^r` with the least even `r` not below the
-    /// order.
+    /// The basis for the first terms of schemes of this order, computed once: up to `h^r` with the least even
+    /// `r` not below the order.
     pub(super) fn of_order(order: u32) -> &'static Self {
         static BASES: [OnceLock<Basis>; 3] = [const { OnceLock::new() }; 3];
         let half = order.clamp(1, HIGHEST_ORDER).div_ceil(2) as usize;
@@ -161,8 +163,8 @@ impl Series {
         sum
     }
 
-    /// `h` times the generator of the step with one quadrature point `l`, as a function of its end: `h H(w)` with the
-    /// stage `w = (q - (1 - l) h H_p(w), p + l h H_q(w))`. It generates `h ∂/∂h` of the step.
+    /// `h` times the generator of the step with one quadrature point `l`, as a function of its end: `h H(w)`
+    /// with the stage `w = (q - (1 - l) h H_p(w), p + l h H_q(w))`. It generates `h ∂/∂h` of the step.
     fn generator(basis: &'static Basis, l: f64) -> Self {
         let mut sum = Self::zero(basis);
         for &Rooted { n, edges: [q, p], weight } in &basis.stage {
@@ -171,10 +173,12 @@ impl Series {
         sum
     }
 
-    /// `Z`, whose flow over unit time is the map that `self` generates: `h` times the modified Hamiltonian (W. Magnus, "On the
-    /// exponential solution of differential equations for a linear operator", Comm. Pure Appl. Math. 7, 1954).
+    /// `Z`, whose flow over unit time is the map that `self` generates: `h` times the modified Hamiltonian
+    /// (W. Magnus, "On the exponential solution of differential equations for a linear operator", Comm. Pure
+    /// Appl. Math. 7, 1954).
     ///
-    /// `n Z_n = Σ_m B_m/m! T_(m, n)`, where `T_(m, n)` is the part with `n` vertices of `{Z, {Z, ... {Z, G}}}` with `m` brackets.
+    /// `n Z_n = Σ_m B_m/m! T_(m, n)`, where `T_(m, n)` is the part with `n` vertices of
+    /// `{Z, {Z, ... {Z, G}}}` with `m` brackets.
     fn logarithm(&self) -> Self {
         let sizes = self.basis.sizes;
         let mut z = Self::zero(self.basis);
@@ -207,8 +211,8 @@ impl Series {
     }
 }
 
-/// `h` times the modified Hamiltonian of successive steps with quadrature points `l` over fractions `w` of the step, to the
-/// order of [`Basis::of_order`].
+/// `h` times the modified Hamiltonian of successive steps with quadrature points `l` over fractions `w` of
+/// the step, to the order of [`Basis::of_order`].
 pub(super) fn modified(steps: &[(f64, f64)], order: u32) -> Series {
     let basis = Basis::of_order(order);
     let mut known: Vec<(f64, Series, Series)> = Vec::new();

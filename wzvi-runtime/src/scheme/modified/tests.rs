@@ -1,6 +1,7 @@
 use super::*;
 
-/// The coefficients of trees with up to three vertices: `H`, `H_p · H_q`, and `H_pp(H_q, H_q)`, `H_qq(H_p, H_p)`, `H_pq(H_q, H_p)`.
+/// The coefficients of trees with up to three vertices: `H`, `H_p · H_q`, and `H_pp(H_q, H_q)`,
+/// `H_qq(H_p, H_p)`, `H_pq(H_q, H_p)`.
 fn leading(series: &series::Series) -> [f64; 5] {
     use tree::{Half, Tree};
     let leaf = Tree::default();

@@ -1,8 +1,9 @@
 //! Contractions of derivatives of one function `H(q, p)`, as trees.
 //!
-//! A vertex stands for `H`, an edge for `Σ_i (∂/∂p_i of one end) (∂/∂q_i of the other)`: one vertex is `H` itself, an edge
-//! `H_p · H_q`, and a vertex with two coordinates towards its neighbours `H_qq(H_p, H_p)`. (E. Hairer, C. Lubich,
-//! G. Wanner, *Geometric Numerical Integration*, section IX.10: elementary Hamiltonians.)
+//! A vertex stands for `H`, an edge for `Σ_i (∂/∂p_i of one end) (∂/∂q_i of the other)`: one vertex is `H`
+//! itself, an edge `H_p · H_q`, and a vertex with two coordinates towards its neighbours `H_qq(H_p, H_p)`.
+//! (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section IX.10: elementary
+//! Hamiltonians.)
 
 use std::iter::once;
 
@@ -98,7 +99,8 @@ impl Tree {
     }
 }
 
-/// All rooted trees of each size below `sizes`, from 0, each with the inverse of the number of its symmetries.
+/// All rooted trees of each size below `sizes`, from 0, each with the inverse of the number of its
+/// symmetries.
 pub(super) fn rooted(sizes: usize) -> Vec<Vec<(Tree, f64)>> {
     let mut trees: Vec<Vec<(Tree, f64)>> = vec![Vec::new()];
     for size in 1..sizes {
@@ -115,7 +117,8 @@ pub(super) fn rooted(sizes: usize) -> Vec<Vec<(Tree, f64)>> {
     trees
 }
 
-/// Adds the trees with the chosen branches and `left` more vertices in others of `branches`, which are sorted by size.
+/// Adds the trees with the chosen branches and `left` more vertices in others of `branches`, which are sorted
+/// by size.
 fn grow(
     branches: &[(Branch, usize, f64)],
     left: usize,
@@ -145,7 +148,8 @@ mod tests {
 
     #[test]
     fn there_are_as_many_trees_as_are_counted() {
-        // Rooted and free trees with oriented edges: sequences A000151 and A000238 of the encyclopedia of integer sequences.
+        // Rooted and free trees with oriented edges: sequences A000151 and A000238 of the encyclopedia of
+        // integer sequences.
         let trees = rooted(6);
         let rooted: Vec<usize> = trees.iter().map(Vec::len).collect();
         assert_eq!(rooted, [0, 1, 2, 7, 26, 107]);

@@ -7,8 +7,8 @@
 //! D_1 L_d = -P + (∂R/∂q_i)ᵀ (q_{i+1} - Q),   D_2 L_d = R,   ∂L_d/∂P = (∂R/∂P)ᵀ (q_{i+1} - Q)
 //! ```
 //!
-//! whose discrete Euler-Lagrange equations say that `q_{i+1} = Q` and that the momenta of a node agree: `P = p_i` is the
-//! momentum with which the step starts.
+//! whose discrete Euler-Lagrange equations say that `q_{i+1} = Q` and that the momenta of a node agree:
+//! `P = p_i` is the momentum with which the step starts.
 
 use super::anew::advance;
 use super::{At, Hamiltonian, LagrangianGradient, Scheme, Segment, as_they_are};

@@ -12,10 +12,11 @@ use crate::error::{ConfigError, StepFailure, wrong};
 use crate::scheme::elements::{self, Elements, PairColumns};
 use crate::scheme::plan::{Plan, Solver};
 
-/// A user-defined one-step scheme for all systems: its name in `simulate`, `stepper` and `ensemble` is [`Own<Self>`](Own).
+/// A user-defined one-step scheme for all systems: its name in `simulate`, `stepper` and `ensemble` is
+/// [`Own<Self>`](Own).
 ///
-/// It integrates the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k` with the forces of the system, and reads nothing else. Numbers are any
-/// [`Scalar`]: one path, paths in the lanes of vector registers, dual numbers.
+/// It integrates the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k` with the forces of the system, and reads
+/// nothing else. Numbers are any [`Scalar`]: one path, paths in the lanes of vector registers, dual numbers.
 ///
 /// ```ignore
 /// use wzvi::embedding::{OneStep, Own};
@@ -70,7 +71,8 @@ pub trait OneStep {
     /// Its description in `EQUATIONS`.
     const TEXT: &'static str = "a scheme of the program";
 
-    /// One step of the state in place. If the new state is not finite, the step fails and the old state remains.
+    /// One step of the state in place. If the new state is not finite, the step fails and the old state
+    /// remains.
     ///
     /// # Errors
     /// If it finds no solution.

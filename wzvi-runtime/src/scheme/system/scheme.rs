@@ -34,7 +34,8 @@ pub struct At<'a, S, K = f64, V: ?Sized = [S]> {
 pub trait Movable<S> {
     /// The numbers.
     fn list(&mut self) -> &mut [S];
-    /// Takes the numbers of a list of the same length, which may take the old ones in exchange. Only numbers that are `f64` come so.
+    /// Takes the numbers of a list of the same length, which may take the old ones in exchange. Only numbers
+    /// that are `f64` come so.
     fn take(&mut self, new: &mut Vec<f64>);
 }
 
@@ -103,7 +104,8 @@ pub struct TakenStep<'a, M> {
     pub is_first: bool,
 }
 
-/// A parameter of the system as a constant of a step, from its number among [`Hamiltonian::parameter`] and its value.
+/// A parameter of the system as a constant of a step, from its number among [`Hamiltonian::parameter`] and
+/// its value.
 pub type Lift<'l, K> = &'l dyn Fn(usize, f64) -> K;
 
 /// The [`Lift`] that leaves parameters as they are.
@@ -149,16 +151,19 @@ pub struct Properties {
     pub kept_energy: KeptEnergy,
     /// The largest number of stages solved at once in any part of a step; 0 for explicit steps.
     pub stages: u32,
-    /// Whether the memory of past steps is valid for this state only: then it is cleared if the caller moves the state.
+    /// Whether the memory of past steps is valid for this state only: then it is cleared if the caller moves
+    /// the state.
     pub remembers: bool,
-    /// Whether paths run in lanes: not with iterations over loops in large systems, nor with linear equations there.
+    /// Whether paths run in lanes: not with iterations over loops in large systems, nor with linear equations
+    /// there.
     pub in_lanes: bool,
     /// Whether equations of implicit steps are solved by lane in numbers with derivatives, too.
     pub differentiates_lanes: bool,
-    /// The number of degrees of freedom from which the step of a single path is vectorised; paths then run one after the other, and stay in
-    /// the cache. `usize::MAX` if steps are never vectorised so.
+    /// The number of degrees of freedom from which the step of a single path is vectorised; paths then run
+    /// one after the other, and stay in the cache. `usize::MAX` if steps are never vectorised so.
     pub fills_registers_from: usize,
-    /// The order of the error inside a step: [`DenseOutput::order`](crate::scheme::dense::DenseOutput::order).
+    /// The order of the error inside a step:
+    /// [`DenseOutput::order`](crate::scheme::dense::DenseOutput::order).
     pub dense_order: u32,
     /// Whether the scheme has a polynomial of its own between the nodes of a step.
     pub has_polynomial: bool,
@@ -182,7 +187,8 @@ pub(crate) const fn disequilibrium(plan: &Plan, properties: &Properties) -> Opti
 }
 
 impl Properties {
-    /// The properties of a variational step with paths in lanes, cubics between its nodes, and a memory of `memory` bytes.
+    /// The properties of a variational step with paths in lanes, cubics between its nodes, and a memory of
+    /// `memory` bytes.
     pub const fn of(plan: &Plan, memory: usize) -> Self {
         Self {
             kept_energy: KeptEnergy::Hamiltonian,
@@ -209,11 +215,13 @@ pub trait Scheme<H: Hamiltonian> {
     /// Further properties for runs.
     const PROPERTIES: Properties = Properties::of(&Self::PLAN, size_of::<Self::Memory<f64>>());
 
-    /// The quadrature points of the discrete Lagrangian, where they define the step. Steps without are symmetric.
+    /// The quadrature points of the discrete Lagrangian, where they define the step. Steps without are
+    /// symmetric.
     #[doc(hidden)]
     const POINTS: Option<&'static [Stage]> = None;
 
-    /// The data that depend on the system and the step size only, in constants `K`: of one system, of one system per lane, or with derivatives.
+    /// The data that depend on the system and the step size only, in constants `K`: of one system, of one
+    /// system per lane, or with derivatives.
     type Prepared<K: Constant>: Clone + Debug + Send + Sync;
 
     /// The data from which the next step is predicted; of size zero for explicit steps.
@@ -226,8 +234,8 @@ pub trait Scheme<H: Hamiltonian> {
     /// [`Plain`](crate::algebra::carry::Plain).
     type Carry<S: Scalar>: Carry<S>;
 
-    /// The number of increments that drive a step of a state with this many degrees of freedom: those of the noises, and after them `√h` times the
-    /// standard normals of a bath.
+    /// The number of increments that drive a step of a state with this many degrees of freedom: those of the
+    /// noises, and after them `√h` times the standard normals of a bath.
     fn increments(system: &H, degrees: usize) -> usize {
         let _ = degrees;
         system.noises()
@@ -242,18 +250,20 @@ pub trait Scheme<H: Hamiltonian> {
     /// Computes the data common to all steps, from parameters and a step size that may have derivatives.
     ///
     /// # Errors
-    /// If a parameter is invalid, or a matrix that is factored here is singular; if there are derivatives and the scheme does not propagate them.
+    /// If a parameter is invalid, or a matrix that is factored here is singular; if there are derivatives and
+    /// the scheme does not propagate them.
     fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError>;
 
-    /// The prepared data of `L` systems for one step size, one system per lane; `None` if they do not run in lanes. If they do, so does any
-    /// selection of them, with repetitions.
+    /// The prepared data of `L` systems for one step size, one system per lane; `None` if they do not run in
+    /// lanes. If they do, so does any selection of them, with repetitions.
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
         let _ = prepared;
         None
     }
 
-    /// One step in place. For systems in lanes, `system` is any of them: only their common data are read. On `Err`, the state, `memory` and `carry` are
-    /// unchanged; if the error is that of some [lanes](StepFailure::Lanes), this holds for these lanes, and the others have taken the step.
+    /// One step in place. For systems in lanes, `system` is any of them: only their common data are read. On
+    /// `Err`, the state, `memory` and `carry` are unchanged; if the error is that of some
+    /// [lanes](StepFailure::Lanes), this holds for these lanes, and the others have taken the step.
     ///
     /// Unless `CAREFUL`, an iteration that does not converge fast is abandoned; the
     /// [`Stepper`](crate::path::step::Stepper) then continues with care.
@@ -268,7 +278,8 @@ pub trait Scheme<H: Hamiltonian> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure>;
 
-    /// Hands the solution of the last step to the memory of a step in numbers with derivatives from the same state, which need not be solved again then.
+    /// Hands the solution of the last step to the memory of a step in numbers with derivatives from the same
+    /// state, which need not be solved again then.
     fn hand_values<S: Scalar>(from: &Self::Memory<f64>, to: &mut Self::Memory<S>) {
         let _ = (from, to);
     }

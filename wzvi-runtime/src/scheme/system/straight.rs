@@ -1,5 +1,5 @@
-//! Steps in straight-line code, block by block: the generated part for one scheme of a small system, what it solves for and in which lists, and the
-//! common part.
+//! Steps in straight-line code, block by block: the generated part for one scheme of a small system, what it
+//! solves for and in which lists, and the common part.
 
 use std::marker::PhantomData;
 
@@ -63,8 +63,8 @@ pub struct Solution<S, const D: usize> {
 }
 
 impl<S: Scalar, const D: usize> Solution<S, D> {
-    /// The place for a solution. It is not returned in a `Result`: numbers that share memory with a [`StepFailure`] are not kept in vector
-    /// registers.
+    /// The place for a solution. It is not returned in a `Result`: numbers that share memory with a
+    /// [`StepFailure`] are not kept in vector registers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn nowhere() -> Self {
         let nan = S::from_f64(f64::NAN);

@@ -1,4 +1,5 @@
-//! Logarithms: `ln x = k ln 2 + ln(1 + f)`, and `ln(1 + f) = f - f²/2 + s (f²/2 + R(s))` with `s = f/(2 + f)`.
+//! Logarithms: `ln x = k ln 2 + ln(1 + f)`, and `ln(1 + f) = f - f²/2 + s (f²/2 + R(s))` with
+//! `s = f/(2 + f)`.
 
 use super::{LN2_HIGH, LN2_LOW, exponent_and_mantissa, functions, high, select};
 

@@ -20,8 +20,8 @@ fn is_moderate(x: f64, y: f64) -> bool {
     is_normal_and_positive(x) & (y.abs() * (exponent.abs() + 1.0) <= 1020.0)
 }
 
-/// `2^(y log₂ x)` with the logarithm in two parts: 2/(3 ln 2) times `3 ln(x) / 2` by its series in `s = (m - b)/(m + b)`,
-/// where `x = 2^n m` and `b` is 1 or 3/2.
+/// `2^(y log₂ x)` with the logarithm in two parts: 2/(3 ln 2) times `3 ln(x) / 2` by its series in
+/// `s = (m - b)/(m + b)`, where `x = 2^n m` and `b` is 1 or 3/2.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn pow(x: f64, y: f64) -> f64 {
     const L: [f64; 6] = [

@@ -34,11 +34,11 @@ functions! {
     Tan(x): tan(x), where x.abs() <= LARGEST, else libm::tan;
 }
 
-/// `x - n π/2` in two parts, at most about `π/4`, and bits that end in `n`. The second part is at most the rounding of the first
-/// and is not waited for.
+/// `x - n π/2` in two parts, at most about `π/4`, and bits that end in `n`. The second part is at most the
+/// rounding of the first and is not waited for.
 ///
-/// `π/2` in three parts of 33 bits and a remainder (W. J. Cody, W. Waite, "Software Manual for the Elementary Functions",
-/// 1980): their products with `n` are exact.
+/// `π/2` in three parts of 33 bits and a remainder (W. J. Cody, W. Waite, "Software Manual for the Elementary
+/// Functions", 1980): their products with `n` are exact.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn reduce(x: f64) -> (f64, f64, u64) {
     const FIRST: f64 = 1.570_796_326_734_125_6;

@@ -5,7 +5,8 @@ use crate::algebra::solve::relative_to;
 
 type D = Dual<2>;
 
-/// Every function of one argument: name, the dual one, the value, the derivative as a textbook prints it, a point.
+/// Every function of one argument: name, the dual one, the value, the derivative as a textbook prints it, a
+/// point.
 type Case = (&'static str, fn(D) -> D, fn(f64) -> f64, fn(f64) -> f64, f64);
 
 #[rustfmt::skip]
@@ -102,7 +103,8 @@ fn constants_stay_constants_where_slopes_are_infinite() {
     assert_eq!(zero.powf(D::variable(2.0, 0)).derivative, [0.0; 2]);
 }
 
-/// `d²f/dxdy` of `f(x y)` at `x = at / 2`, `y = 2` is `f'(at) + at f''(at)`, with `f''` as the difference of `f'`.
+/// `d²f/dxdy` of `f(x y)` at `x = at / 2`, `y = 2` is `f'(at) + at f''(at)`, with `f''` as the difference of
+/// `f'`.
 #[test]
 fn dual_numbers_of_dual_numbers_have_second_derivatives() {
     type Second = Dual<1, Dual<1>>;

@@ -1,4 +1,4 @@
-//! What of a trajectory in the making a checkpoint keeps.
+//! The state of a recorder in a checkpoint.
 
 use super::Recorder;
 use crate::algebra::state::{State, Vector};

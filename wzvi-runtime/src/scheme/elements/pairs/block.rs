@@ -6,10 +6,11 @@ use super::{LANES, Pair};
 use crate::algebra::scalar::{Number, Scalar};
 use crate::scheme::elements::are_finite;
 
-/// Number of partners whose slopes are computed in one loop. The compiler vectorises this loop; it would unroll one half as long.
+/// Number of partners whose slopes are computed in one loop. The compiler vectorises this loop; it would
+/// unroll one half as long.
 pub(super) const BLOCK: usize = 2 * LANES;
 
-/// The same for rows that have as many partners: the sums wait for the loop before.
+/// Number of partners in one loop for rows that have as many: the sums wait for the loop before.
 pub(super) const LARGE_BLOCK: usize = 2 * BLOCK;
 
 /// Slopes by a body and by the first `few` of a block of partners in columns.
@@ -49,7 +50,8 @@ fn fill<
     }
 }
 
-/// The slopes by a body and by partners in columns, aligned to a cache line, which is as wide as the widest registers.
+/// The slopes by a body and by partners in columns, aligned to a cache line, which is as wide as the widest
+/// registers.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(in crate::scheme::elements) struct Block<S, const B: usize, const D: usize, const F: usize> {
@@ -58,8 +60,8 @@ pub(in crate::scheme::elements) struct Block<S, const B: usize, const D: usize, 
 }
 
 impl<S: Scalar, const B: usize, const D: usize, const F: usize> Block<S, B, D, F> {
-    /// Computes the slopes of the first `most` of a block of partners, of which the first `few` are needed, in numbers `U`, and again in numbers
-    /// `T` if a result in `U` is not finite.
+    /// Computes the slopes of the first `most` of a block of partners, of which the first `few` are needed,
+    /// in numbers `U`, and again in numbers `T` if a result in `U` is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn fill<T, U, K, const O: usize, const M: usize>(
         &mut self,
@@ -86,7 +88,7 @@ impl<S: Scalar, const B: usize, const D: usize, const F: usize> Block<S, B, D, F
         }
     }
 
-    /// The same in numbers `T`.
+    /// Fills the block in numbers `T`.
     #[cold]
     #[inline(never)]
     pub(in crate::scheme::elements) fn fill_one_by_one<T, K, const O: usize, const M: usize>(
@@ -103,7 +105,8 @@ impl<S: Scalar, const B: usize, const D: usize, const F: usize> Block<S, B, D, F
         fill::<S, T, K, O, D, M, F, B>(few, own, points, entries, by_own, by_partner);
     }
 
-    /// Whether the first `few` of all slopes are finite: of `f64`, by bits without signs, so that there is no chain of sums.
+    /// Whether the first `few` of all slopes are finite: of `f64`, by bits without signs, so that there is no
+    /// chain of sums.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(&self, few: usize) -> bool {
         let mut poison = 0;
@@ -127,7 +130,7 @@ pub(super) fn add<const N: usize>(sums: &mut [f64; N], slopes: &[f64; N]) {
     *sums = new;
 }
 
-/// The same for the first `few`.
+/// `sums += slopes` for the first `few`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add_few<const N: usize>(sums: &mut [f64; N], slopes: &[f64; N], few: usize) {
     let mut slopes = *slopes;

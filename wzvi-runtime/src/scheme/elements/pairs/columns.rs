@@ -1,4 +1,5 @@
-//! Rows of a large system, with the components of points in columns, in the best vector instructions of the machine.
+//! Rows of a large system, with the components of points in columns, in the best vector instructions of the
+//! machine.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -15,8 +16,8 @@ use crate::scheme::elements::{Elements, Point, Slopes};
 /// Degrees of freedom from which the copy into columns pays.
 pub(in crate::scheme::elements) const LEAST_IN_COLUMNS: usize = 64;
 
-/// Sums that are in columns, one for each component of points, while rows are added. Slopes are computed in numbers `U`, and in exact
-/// numbers where `U` has no finite result.
+/// Sums that are in columns, one for each component of points, while rows are added. Slopes are computed in
+/// numbers `U`, and in exact numbers where `U` has no finite result.
 struct Columns<'a, U> {
     sums: &'a mut [f64],
     /// Columns of coordinates and of sums, each followed by a block of padding.
@@ -142,8 +143,9 @@ pub(in crate::scheme::elements) const fn may_take_vectors<H: Elements>() -> bool
     H::FACTS.has_pairs || H::FACTS.gathers.by_q || H::FACTS.gathers.by_p
 }
 
-/// Whether slopes of a system of this size are computed in vector instructions: [rows](crate::scheme::plan::Facts::has_pairs) in columns, and
-/// [gathered placements](crate::scheme::plan::Facts::gathers) in blocks.
+/// Whether slopes of a system of this size are computed in vector instructions:
+/// [rows](crate::scheme::plan::Facts::has_pairs) in columns, and [gathered
+/// placements](crate::scheme::plan::Facts::gathers) in blocks.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(in crate::scheme::elements) fn takes_vectors<H: Elements>(wanted: Slopes, degrees: usize) -> bool {
     let by_q = wanted.by_q && (H::FACTS.has_pairs || H::FACTS.gathers.by_q);

@@ -6,11 +6,13 @@ use super::block::{BLOCK, Block, LARGE_BLOCK, add, add_few};
 use super::{LANES, Pair, Row, total};
 use crate::algebra::scalar::Number;
 
-/// The partners of a row in columns, each followed by a block of padding: coordinates, the sums of all components, entries of tables.
+/// The partners of a row in columns, each followed by a block of padding: coordinates, the sums of all
+/// components, entries of tables.
 pub(super) struct Partners<'r, const D: usize, const M: usize> {
     pub(super) points: [&'r [f64]; D],
     pub(super) sums: &'r mut [f64],
-    /// The position of the sum by the first component of the first partner; `stride` is the distance to the next component.
+    /// The position of the sum by the first component of the first partner; `stride` is the distance to the
+    /// next component.
     pub(super) first: usize,
     pub(super) stride: usize,
     pub(super) entries: [&'r [f64]; M],
@@ -26,7 +28,7 @@ fn heads<'a, const B: usize, const N: usize>(lists: &[&'a [f64]; N], first: usiz
     heads
 }
 
-/// The same for lists that may be shorter, padded with their last number.
+/// [`heads`] of lists that may be shorter, padded with their last number.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn filled<const B: usize, const N: usize>(lists: &[&[f64]; N], first: usize) -> [[f64; B]; N] {
     let mut filled = [[0.0; B]; N];
@@ -46,8 +48,8 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
         &mut self.sums[self.first + k * self.stride + first..].as_chunks_mut().0[0]
     }
 
-    /// Adds the slopes by the first `few` partners of a block to their sums, and those by the body to the sums of the lanes, in full groups of
-    /// [`LANES`]. Returns all slopes by the body.
+    /// Adds the slopes by the first `few` partners of a block to their sums, and those by the body to the
+    /// sums of the lanes, in full groups of [`LANES`]. Returns all slopes by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet_block<T, U, K, const O: usize, const F: usize, const B: usize>(
         &mut self,

@@ -34,8 +34,8 @@ type Lookup<'s> = &'s dyn Fn(usize, &[usize], Range<usize>) -> Entries;
 /// Checks that everything that the elements of `system` read exists for a state with `degrees`.
 ///
 /// # Errors
-/// [`StepFailure::Dimension`] where loops go beyond the end of the state, [`StepFailure::Index`] where an integer of the
-/// system does.
+/// [`StepFailure::Dimension`] where loops go beyond the end of the state, [`StepFailure::Index`] where an
+/// integer of the system does.
 pub(in crate::scheme::elements) fn check<H: Elements>(system: &H, degrees: usize) -> Result<(), StepFailure> {
     let components = H::PLACES.components;
     if !degrees.is_multiple_of(components) {
@@ -131,8 +131,8 @@ impl Survey<'_> {
         }
     }
 
-    /// The reason why `index`, with the possible value `value`, is not a place in the state: an integer of the system in it
-    /// that is not a point, or the index as a whole.
+    /// The reason why `index`, with the possible value `value`, is not a place in the state: an integer of
+    /// the system in it that is not a point, or the index as a whole.
     fn outside(&self, index: &'static Index, value: i128, at: Option<&Bounds<'_>>) -> Fault {
         let components = self.places.components;
         let points = self.degrees / components;
@@ -242,7 +242,7 @@ impl Survey<'_> {
         self.entries(table, positions, outer, 0, at)
     }
 
-    /// The same for the lists at `outer[..level]`.
+    /// The interval of the integers in the lists at `outer[..level]`.
     fn entries(
         &self,
         table: usize,

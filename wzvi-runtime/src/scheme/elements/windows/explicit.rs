@@ -8,7 +8,8 @@ use crate::scheme::elements::{Elements, Given, MomentumUpdate, Quadrature, Slope
 
 /// Whether steps of a system of this size go window by window.
 ///
-/// The caller checks [`Facts::has_windows`](crate::scheme::plan::Facts::has_windows) first, so that nothing is compiled for other systems.
+/// The caller checks [`Facts::has_windows`](crate::scheme::plan::Facts::has_windows) first, so that nothing
+/// is compiled for other systems.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(in crate::scheme::elements) fn takes_windows(scheme: &Quadrature, degrees: usize) -> bool {
     let is_explicit = scheme.unknowns == Unknowns::None && scheme.takes_parts_once();
@@ -41,7 +42,8 @@ impl<H: Elements + Sync> Step<'_, H, f64> {
         advance(self.system, self, [self.q, self.p], plan)
     }
 
-    /// The same with compensated sums, after steps that lost so much of coordinates and momenta. The velocities are those of the new momenta.
+    /// Takes the step with compensated sums, after steps that lost so much of coordinates and momenta. The
+    /// velocities are those of the new momenta.
     ///
     /// # Errors
     /// The errors of [`Step::advance_windows`].

@@ -1,9 +1,10 @@
 //! The stretch of the slope vectors that each window writes.
 //!
-//! A step of a large system proceeds in windows that stay in the first-level cache: first all slopes of a window, then the numbers
-//! that follow from them. Every entry gets the same terms in the same order as in one pass over all placements, so that the bits of
-//! a step do not depend on the windows. Terms that placements at the border of a window add outside of it go to a margin or, if they
-//! are too far away, to entries that are never read.
+//! A step of a large system proceeds in windows that stay in the first-level cache: first all slopes of a
+//! window, then the numbers that follow from them. Every entry gets the same terms in the same order as in
+//! one pass over all placements, so that the bits of a step do not depend on the windows. Terms that
+//! placements at the border of a window add outside of it go to a margin or, if they are too far away, to
+//! entries that are never read.
 
 use std::cell::{Cell, RefCell};
 use std::iter::{Cloned, Flatten};
@@ -72,7 +73,8 @@ impl<'a> Strip<'a> {
 /// As [`Sums::clip`], for placements that write into `places`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn clip<const N: usize>(places: Range<usize>, len: usize, first: [usize; N]) -> (usize, usize) {
-    // Rows of a lattice mostly lie in one window, so that a single stretch decides. Chains, with one or two stretches, do not.
+    // Rows of a lattice mostly lie in one window, so that a single stretch decides. Chains, with one or two
+    // stretches, do not.
     if N > 2 && first.iter().any(|&first| places.start <= first && first + len <= places.end) {
         return (0, len);
     }
@@ -178,10 +180,12 @@ pub(super) struct Windows {
     neighbours: Vec<Vec<usize>>,
 }
 
-/// Least length of a window in units of the reach of placements; placements across a border are computed twice.
+/// Least length of a window in units of the reach of placements; placements across a border are computed
+/// twice.
 const REACHES: usize = 8;
 
-/// The median distance of the places that a placement writes to; the few placements that wrap around do not affect it.
+/// The median distance of the places that a placement writes to; the few placements that wrap around do not
+/// affect it.
 fn reach(runs: &[Placements]) -> usize {
     let reach = |run: &Placements| {
         let (least, most) = (run.first.iter().min(), run.first.iter().max());
@@ -281,7 +285,8 @@ impl Windows {
         self.margin
     }
 
-    /// For each window, the windows whose coordinates its slopes read, itself included. The relation is symmetric.
+    /// For each window, the windows whose coordinates its slopes read, itself included. The relation is
+    /// symmetric.
     pub(super) fn neighbours(&self) -> &[Vec<usize>] {
         &self.neighbours
     }

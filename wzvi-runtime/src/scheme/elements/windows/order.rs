@@ -1,8 +1,8 @@
 //! The order in which windows take the rounds of a step.
 //!
-//! A round starts with a kick, which reads coordinates of neighbours; its other moves act on single sites. A window takes a round as
-//! soon as its neighbours have taken the previous one. A step thus passes over the system once, and takes all rounds of a stretch
-//! while that is in the cache, whatever the number of rounds.
+//! A round starts with a kick, which reads coordinates of neighbours; its other moves act on single sites. A
+//! window takes a round as soon as its neighbours have taken the previous one. A step thus passes over the
+//! system once, and takes all rounds of a stretch while that is in the cache, whatever the number of rounds.
 
 use std::ops::Range;
 
@@ -13,8 +13,8 @@ pub(super) struct Turn {
     pub(super) window: usize,
 }
 
-/// The rounds after those `taken` that `windows` can take without other windows, each after the previous round of its neighbours. A window
-/// begins when those before it have gone as far as they can.
+/// The rounds after those `taken` that `windows` can take without other windows, each after the previous
+/// round of its neighbours. A window begins when those before it have gone as far as they can.
 pub(super) fn order(
     neighbours: &[Vec<usize>],
     rounds: usize,
@@ -38,8 +38,8 @@ pub(super) fn order(
     turns
 }
 
-/// All rounds of all windows: those that each share takes alone, concurrently with the others, and then the rest, of windows at the
-/// borders of shares.
+/// All rounds of all windows: those that each share takes alone, concurrently with the others, and then the
+/// rest, of windows at the borders of shares.
 pub(super) fn divided(
     neighbours: &[Vec<usize>],
     rounds: usize,

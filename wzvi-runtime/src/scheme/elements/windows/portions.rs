@@ -1,5 +1,5 @@
-//! Portions of adjacent windows, one for each thread. Every number is the same as on one thread: the combined result does not depend on
-//! the order of the portions.
+//! Portions of adjacent windows, one for each thread. Every number is the same as on one thread: the combined
+//! result does not depend on the order of the portions.
 
 use std::mem::take;
 use std::ops::Range;
@@ -29,7 +29,8 @@ impl<W> Portion<W> {
     }
 }
 
-/// The part of lists that belongs to a portion, from the place `first` on. Lists that are not needed are empty.
+/// The part of lists that belongs to a portion, from the place `first` on. Lists that are not needed are
+/// empty.
 pub(super) struct Part<'a, const N: usize> {
     pub(super) first: usize,
     pub(super) lists: [&'a mut [f64]; N],
@@ -77,7 +78,8 @@ impl Found {
     }
 }
 
-/// Does the work on the part of each portion, on one thread each if there are several; returns the combined result.
+/// Does the work on the part of each portion, on one thread each if there are several; returns the combined
+/// result.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn on_threads<W: Send, const N: usize>(
     portions: &mut [Portion<W>],

@@ -41,7 +41,8 @@ impl Given<f64> for Stretch<'_> {
     }
 }
 
-/// Sums of a window in a separate list. Sums before `filled` have terms; the next term of any other sum is its first.
+/// Sums of a window in a separate list. Sums before `filled` have terms; the next term of any other sum is
+/// its first.
 pub(super) struct Window<'a> {
     strip: Strip<'a>,
     sums: &'a mut [f64],

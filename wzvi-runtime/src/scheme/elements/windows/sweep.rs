@@ -1,15 +1,16 @@
-//! One fixed-point iteration `x ← φ(x)`; for large systems window by window, in the best vector instructions of the machine.
+//! One fixed-point iteration `x ← φ(x)`; for large systems window by window, in the best vector instructions
+//! of the machine.
 //!
-//! A window of the vectors stays in the first-level cache while its forces are computed, then the new unknowns, the velocities that
-//! follow from them, and the coordinates for the forces of the next iteration:
+//! A window of the vectors stays in the first-level cache while its forces are computed, then the new
+//! unknowns, the velocities that follow from them, and the coordinates for the forces of the next iteration:
 //!
 //! ```text
 //! v' = v - (v + start Σ ∂V/∂q (Q)),   P' = p + v',   u' = Σ ∂T/∂p (P'),   Q' = q + c u'
 //! ```
 //!
-//! Every loop runs over adjacent entries without branches, so that it is vectorised. Each number is computed as in one pass over all
-//! placements ([`Step::residual`]), no operation is fused and no sum is split, so that the bits depend neither on windows nor on
-//! instructions.
+//! Every loop runs over adjacent entries without branches, so that it is vectorised. Each number is computed
+//! as in one pass over all placements ([`Step::residual`]), no operation is fused and no sum is split, so
+//! that the bits depend neither on windows nor on instructions.
 
 mod blocks;
 mod diagonal;
@@ -40,15 +41,16 @@ use crate::scheme::system::Hamiltonian as _;
 /// Number of places of a window. Ten stretches of this length are in use at a time.
 const SIZE: usize = 256;
 
-/// Least number of degrees of freedom for each thread in each pass: the three or more passes of a step of this size take some 500 µs
-/// (`cargo bench --workspace --bench elements -- memory`).
+/// Least number of degrees of freedom for each thread in each pass: the three or more passes of a step of
+/// this size take some 500 µs (`cargo bench --workspace --bench elements -- memory`).
 const LEAST_OF_THREAD: usize = 1 << 16;
 
 /// An applied correction.
 pub(in crate::scheme::elements) struct Swept<S> {
     /// The largest correction relative to the largest unknown; NaN if any is not finite.
     pub(in crate::scheme::elements) relative: S,
-    /// The change of the points at which the equations are evaluated, if it costs less than another iteration.
+    /// The change of the points at which the equations are evaluated, if it costs less than another
+    /// iteration.
     pub(in crate::scheme::elements) change: Option<Change>,
 }
 
@@ -58,7 +60,8 @@ pub(in crate::scheme::elements) struct Sweeps {
     windows: Windows,
     portions: Vec<Portion<Range<usize>>>,
     instructions: InstructionSet,
-    /// Whether the last iteration used windows, so that the coordinates at its unknowns are stored for the next one.
+    /// Whether the last iteration used windows, so that the coordinates at its unknowns are stored for the
+    /// next one.
     is_ready: bool,
     /// Whether the state after the step is known to be finite.
     is_finite: bool,
@@ -96,7 +99,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         self.refresh(&mut scratch.lists);
     }
 
-    /// `x ← φ(x)`, but for the paths side by side that are `solved`; updates `u` and `P`, which must be those at `x`.
+    /// `x ← φ(x)`, but for the paths side by side that are `solved`; updates `u` and `P`, which must be those
+    /// at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn sweep(
         &self,
@@ -212,7 +216,8 @@ impl<H: Elements + Sync> Step<'_, H, f64> {
         self.scheme.stages.first().map_or([0.0; 2], |stage| [stage.point, stage.start])
     }
 
-    /// The ratio of the change of the momenta to `v`; zero if there is none, so that a finite `p + factor v` only says that `v` is.
+    /// The ratio of the change of the momenta to `v`; zero if there is none, so that a finite `p + factor v`
+    /// only says that `v` is.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn multiple(&self) -> f64 {
         match self.scheme.update {
@@ -233,7 +238,8 @@ impl Lists<'_, f64> {
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
-    /// Whether the last iteration used windows and leads to a finite state. [`Scratch::store_windows`] then ends the step.
+    /// Whether the last iteration used windows and leads to a finite state. [`Scratch::store_windows`] then
+    /// ends the step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn is_in_windows(&self, scratch: &mut Scratch<'_, S>) -> bool {
         let is_a_multiple = matches!(self.scheme.update, MomentumUpdate::Multiple(_));
@@ -255,7 +261,8 @@ impl<S: Scalar> Scratch<'_, S> {
         }
     }
 
-    /// Adds the increments of a step to the state, and keeps its unknowns if later steps start from them (`remembers`).
+    /// Adds the increments of a step to the state, and keeps its unknowns if later steps start from them
+    /// (`remembers`).
     ///
     /// # Errors
     /// [`StepFailure::Internal`] if the step was not taken in windows.

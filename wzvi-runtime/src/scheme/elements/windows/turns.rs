@@ -1,8 +1,9 @@
 //! The turns of one thread.
 //!
-//! Each thread has a range of adjacent windows and the part of the new state that belongs to them. It takes those turns that do not depend
-//! on the output of other threads. The rest, a few windows at the borders, is taken when all threads have finished. Every number is the
-//! same as on one thread: the order of the turns changes no term and no order of a sum.
+//! Each thread has a range of adjacent windows and the part of the new state that belongs to them. It takes
+//! those turns that do not depend on the output of other threads. The rest, a few windows at the borders, is
+//! taken when all threads have finished. Every number is the same as on one thread: the order of the turns
+//! changes no term and no order of a sum.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -30,16 +31,16 @@ pub(super) struct Taking<'a> {
 /// The turns of a thread, and scratch for the sums of a window.
 pub(super) type Share = Portion<Vec<Turn>>;
 
-/// Turns of windows, with slopes in numbers `T`. `WHOLE`, for a part that covers the whole system, is a compile-time constant because
-/// offsets into a smaller one take time.
+/// Turns of windows, with slopes in numbers `T`. `WHOLE`, for a part that covers the whole system, is a
+/// compile-time constant because offsets into a smaller one take time.
 pub(super) struct Job<'a, H, W, T, const WHOLE: bool> {
     step: Taking<'a>,
     system: &'a H,
     word: W,
     turns: &'a [Turn],
     sums: &'a mut [f64],
-    /// The new state: coordinates after the rounds with even and with odd numbers, momenta, the coordinates at which the last force acts, and
-    /// the force, and what rounding took from coordinates and from momenta.
+    /// The new state: coordinates after the rounds with even and with odd numbers, momenta, the coordinates
+    /// at which the last force acts, and the force, and what rounding took from coordinates and from momenta.
     part: Part<'a, 7>,
     numbers: PhantomData<fn() -> T>,
 }
@@ -67,7 +68,8 @@ impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for 
         let mut part = self.part;
         let Self { step, system, word, turns, sums, .. } = self;
         let Taking { windows, rounds, q, p, reuses } = step;
-        // The positions of lists are read again for each move; otherwise the compiler computes offsets for moves that never come.
+        // The positions of lists are read again for each move; otherwise the compiler computes offsets for
+        // moves that never come.
         let Part { first, lists: [even, odd, momenta, kept_q, kept_force, lost_q, lost_p] } = &mut part;
         let (first, last) = (if WHOLE { 0 } else { *first }, rounds.len() - 1);
         let keeps = W::ADDS_TERMS && !kept_q.is_empty() && last > 0;

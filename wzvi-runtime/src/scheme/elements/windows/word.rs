@@ -7,7 +7,8 @@ use crate::algebra::scalar::{Number, Scalar};
 use crate::error::StepFailure;
 use crate::scheme::elements::{Elements, Given, Slopes, Sums};
 
-/// A flow of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, or of a part of it, as the force or the velocity that it adds.
+/// A flow of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, or of a part of it, as the force or the velocity
+/// that it adds.
 #[derive(Clone, Copy, Debug)]
 pub struct Flow<'a, S: Scalar> {
     /// The time at which it is evaluated.
@@ -62,7 +63,8 @@ pub enum Move {
     State,
 }
 
-/// The parts of a step, which move the state one after the other, on several threads at once: each has its own places.
+/// The parts of a step, which move the state one after the other, on several threads at once: each has its
+/// own places.
 pub trait Word: Copy + Send + Sync {
     /// Whether slopes have the sign with which they are added.
     const ADDS_TERMS: bool = true;
@@ -77,7 +79,8 @@ pub trait Word: Copy + Send + Sync {
     /// The kind of a part.
     fn kind(&self, number: usize) -> Move;
 
-    /// The arguments of the force of a kick other than the coordinates, if the kick is at an end of the step, where the force may be reused.
+    /// The arguments of the force of a kick other than the coordinates, if the kick is at an end of the step,
+    /// where the force may be reused.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn origin(&self, number: usize) -> Option<Origin> {
         let _ = number;
@@ -98,7 +101,8 @@ pub trait Word: Copy + Send + Sync {
         [&[]; 2]
     }
 
-    /// Changes the momenta of some places one by one, and what rounding took from them if sums are compensated; may be called again.
+    /// Changes the momenta of some places one by one, and what rounding took from them if sums are
+    /// compensated; may be called again.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64], lost: &mut [f64]) {
         let _ = (number, places, p, lost);
@@ -111,7 +115,8 @@ pub trait Word: Copy + Send + Sync {
     }
 }
 
-/// Takes all parts of a step from `q` and `p`, if the system [has windows](crate::scheme::plan::Facts::has_windows).
+/// Takes all parts of a step from `q` and `p`, if the system [has
+/// windows](crate::scheme::plan::Facts::has_windows).
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.

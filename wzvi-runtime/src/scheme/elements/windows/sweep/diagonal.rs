@@ -1,4 +1,5 @@
-//! Linear equations with a diagonal Jacobian `J = I - φ'`: the first correction is the solution, and nothing is compared.
+//! Linear equations with a diagonal Jacobian `J = I - φ'`: the first correction is the solution, and nothing
+//! is compared.
 //!
 //! ```text
 //! Q = q + c Σ ∂T/∂p (p),   v = -J⁻¹ start Σ ∂V/∂q (Q),   u = Σ ∂T/∂p (p + v)
@@ -19,8 +20,8 @@ use crate::scheme::elements::step::Step;
 use crate::scheme::elements::{Elements, Slopes};
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
-    /// The solution of linear equations with a diagonal Jacobian, which is factored: one correction from zero, and `u`. Returns whether it is
-    /// finite.
+    /// The solution of linear equations with a diagonal Jacobian, which is factored: one correction from
+    /// zero, and `u`. Returns whether it is finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn solve_diagonal(&self, scratch: &mut Scratch<'_, S>) -> bool {
         if const { H::FACTS.has_windows && H::FACTS.has_constant_curvature && S::MAY_BE_PLAIN }
