@@ -269,7 +269,7 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
 
     /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is
     /// not to. The noise must have increments between the nodes
-    /// ([`Noise::is_divisible`](crate::increments::Noise::is_divisible)); the run refuses another one.
+    /// ([`Noise::is_divisible`]); the run refuses another one.
     ///
     /// A path ends where the halves of a step do not agree
     /// ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), and where its energy has changed

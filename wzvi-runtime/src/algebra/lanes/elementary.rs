@@ -10,7 +10,7 @@
 //! The formulas and polynomials are those of fdlibm:
 //!
 //! > Copyright (C) 1993, 2004 by Sun Microsystems, Inc. All rights reserved. Permission to use, copy, modify,
-//! and > distribute this software is freely granted, provided that this notice is preserved.
+//! > and distribute this software is freely granted, provided that this notice is preserved.
 
 mod exponential;
 mod hyperbolic;
