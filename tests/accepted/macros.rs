@@ -9,7 +9,7 @@ macro_rules! oscillator {
                                 let early = $frequency;
                                 let half = 0.5;
                                 let twice = |x: f64| 2.0 * x;
-                                half * twice(p * p) + $frequency * early * q * q + $body + mass + *mass
+                                half * twice(p * p) + $frequency * early * q * q + $body + 2.0 * mass
                             },
                             embedding = [DeltaPlus],
                         )]

@@ -12,7 +12,7 @@ mod units {
 }
 
 #[hamiltonian(
-    drift = |q, p| self.mass * p * p + *mass + mass + (*self).mass * q * q + STIFFNESS * PI + GRAVITY + Self::SCALE
+    drift = |q, p| self.mass * p * p + 2.0 * mass + (*self).mass * q * q + STIFFNESS * PI + GRAVITY + Self::SCALE
         + units::METRE * std::f64::consts::E + TABLE[1] * q + f64::MAX.recip() + f64::from(steps) + steps as f64
         + (self.steps as f64) * q.powi(steps) + weights[1] * q + self.weights[0] + grid[1][0] + table[3] + boxed[0]
         + weights.iter().zip(&[q, p]).map(|(w, x)| w * x).sum::<f64>() + table.len() as f64,

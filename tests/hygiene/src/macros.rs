@@ -7,7 +7,7 @@ macro_rules! oscillator {
         #[::renamed::hamiltonian(
             drift = |q, p| {
                 let half = 0.5;
-                half * p * p + half * $frequency * self.$frequency * q * q + $value * mass + *mass
+                half * p * p + half * $frequency * self.$frequency * q * q + $value * mass + mass
             },
             noise = [|q, _| mass * q],
             embedding = [$scheme, DeltaPlus],
