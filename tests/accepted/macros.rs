@@ -2,17 +2,18 @@
 
 use wzvi::prelude::*;
 
+#[rustfmt::skip]
 macro_rules! oscillator {
     ($name:ident, $frequency:ident, $body:expr) => {
         #[hamiltonian(
-                            drift = |q, p| {
-                                let early = $frequency;
-                                let half = 0.5;
-                                let twice = |x: f64| 2.0 * x;
-                                half * twice(p * p) + $frequency * early * q * q + $body + 2.0 * mass
-                            },
-                            embedding = [DeltaPlus],
-                        )]
+            drift = |q, p| {
+                let early = $frequency;
+                let half = 0.5;
+                let twice = |x: f64| 2.0 * x;
+                half * twice(p * p) + $frequency * early * q * q + $body + 2.0 * mass
+            },
+            embedding = [DeltaPlus],
+        )]
         struct $name {
             $frequency: f64,
             mass: f64,
