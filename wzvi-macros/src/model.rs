@@ -289,7 +289,7 @@ impl System {
         self.line.clone().filter(|_| self.slopes == Form::StraightLines)
     }
 
-    /// The drift, the noises, the first integrals, the forces.
+    /// Every term but the two parts of a drift that is declared in parts.
     pub(crate) fn terms(&self) -> impl Iterator<Item = &Term> {
         let noise = self.noise.iter().map(|noise| &noise.term);
         let bath = self.friction.iter().map(|friction| &friction.term);

@@ -564,4 +564,14 @@ mod tests {
         states("|q, p| 0.5 * (p * p + a * q * q)", &["kept by the step to rounding"], &[]);
         states("|q, p| 0.5 * p * p - q.cos()", &["kept by the step nearly, within O(h²)"], &[]);
     }
+
+    /// A magnetic force has no power, but steps with a force are not symplectic: no modified energy holds H0.
+    #[test]
+    fn a_force_without_power_leaves_the_order_of_the_step() {
+        let found = errors(
+            "drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) + x.powi(4) + y * y,
+             force = |[x, y], [px, py]| [py, -px], embedding = Midpoint",
+        );
+        assert!(found.contains("H0 is a first integral: kept by the step up to its order"), "{found}");
+    }
 }

@@ -277,13 +277,15 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
     };
     match &facts.energy.is_kept {
         Knowledge::Proven => {
-            let keeps = match (has_noise, is_smooth) {
-                _ if facts.energy_form.is_kept(embedding, has_noise) => {
-                    "kept by the step to rounding".to_owned()
-                }
-                (true, _) => followed(facts, embedding).to_owned(),
-                (false, true) => format!("kept by the step nearly, within {order}"),
-                (false, false) => format!("kept by the step nearly, within {order} between the kinks of H0"),
+            // Steps with noise or a force follow no modified energy, also where these have no power.
+            let keeps = if facts.energy_form.is_kept(embedding, has_noise) {
+                "kept by the step to rounding".to_owned()
+            } else if !facts.energy.is_conservative {
+                followed(facts, embedding).to_owned()
+            } else if is_smooth {
+                format!("kept by the step nearly, within {order}")
+            } else {
+                format!("kept by the step nearly, within {order} between the kinks of H0")
             };
             say!(text, "  H0 is a first integral: {keeps}");
         }
