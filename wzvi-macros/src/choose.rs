@@ -1,6 +1,6 @@
 //! The form of every step, chosen before anything is written out: straight-line code with a variable for each
-//! degree of freedom, or loops over elements. Elements that are refused in loops are written out all the same, if
-//! they are few: see `analyse` in `compile.rs`.
+//! degree of freedom, or loops over elements. Elements that are refused in loops are written out all the
+//! same, if they are few: see `analyse` in `compile.rs`.
 //!
 //! The choice reads a sketch of the system, made of its elements in loops: the second derivatives of each
 //! element, placed at every turn of its loops, and the operations of all placements together. The sketch
