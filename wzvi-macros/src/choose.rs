@@ -18,15 +18,16 @@ use std::collections::BTreeMap;
 
 use crate::discretise::Dependencies;
 use crate::embedding::{Correction, Embedding, Points};
-use crate::model::{Element, Form, Half, Index, Local, Loop, Slot, System};
+use crate::model::{Element, Form, Half, Index, Loop, Slot, System};
 use crate::passes::collect::sketched;
 use crate::symbolic::{Expr, Graph, Node, Symbol};
 
 /// The most unknowns of a block of a step in straight lines: six sites of which one half of the phase space
 /// is unknown, three where both are. For chains, rings and pairs with the mid-point a step of six sites takes
 /// 0.7 to 1.0 of the time of elements without loops, alone and in ensembles, and at eight 0.9 to 1.2. Where
-/// both halves are unknown, three sites take 0.9 to 1.2 of the time of loops, and four 1.4 to 1.7.
-/// (`cargo bench --workspace --bench seam` forces both ways beside the chosen one.)
+/// both halves are unknown, three sites take 0.9 to 1.2 of the time of loops, and four 1.4 to 1.7. (Both
+/// forms were forced by setting this constant. `cargo bench --workspace --bench seam` shows the chosen one
+/// beside loops of a const generic size.)
 const MOST_UNKNOWNS: usize = 6;
 
 /// How many operations straight lines may have beyond those of the elements in loops, by what a step does
@@ -45,7 +46,7 @@ impl MostAdded {
     const SOLVED: usize = 150;
 }
 
-/// The most placements of elements that are looked at: a system with more is not written out.
+/// The most placements of elements in a sketch. A system with more is not written out.
 const MOST_PLACEMENTS: usize = 4096;
 
 /// The largest block whose equations may be solved for an unknown that they are affine in: see
@@ -117,7 +118,7 @@ struct Coupling {
     varies_with: Vec<usize>,
 }
 
-/// What the choice reads of a system.
+/// The blocks and the operations of a system, by which the forms are chosen.
 struct Sketch {
     degrees: usize,
     /// Operations of all placements together.
@@ -246,10 +247,11 @@ struct Placer<'g> {
     in_loops: usize,
 }
 
-/// Two variables of an element: the slope by the first reads the second.
+/// Two locals of an element, by their numbers: the slope by the first reads the second.
 struct Pair {
     slope: usize,
     read: usize,
+    /// The locals on which the derivative of that slope by `read` depends.
     varies_with: Vec<usize>,
 }
 
@@ -279,45 +281,41 @@ impl Placer<'_> {
 
     /// The pairs of an element's variables that its slopes couple, term by term.
     fn pairs(&mut self, element: &Element) -> Vec<Pair> {
+        let symbol_of = |local: usize| element.locals[local].symbol;
+        let displacements: Vec<Symbol> = element.displacements().map(|(symbol, _)| symbol).collect();
         let mut pairs = Vec::new();
         for term in terms(self.graph, element.value) {
-            let is_read = |local: &&Local| {
-                matches!(local.slot, Slot::State(..)) && self.graph.depends_on(term, &[local.symbol])
+            let is_state_of_term = |&local: &usize| {
+                matches!(element.locals[local].slot, Slot::State(..))
+                    && self.graph.depends_on(term, &[symbol_of(local)])
             };
-            let state: Vec<Symbol> =
-                element.locals.iter().filter(is_read).map(|local| local.symbol).collect();
-            let place =
-                |symbol: Symbol| element.locals.iter().position(|local| local.symbol == symbol).unwrap_or(0);
-            let is_displacement = |symbol: Symbol| element.displacements().any(|(known, _)| known == symbol);
-            let moving: Vec<Symbol> =
-                state.iter().copied().filter(|&symbol| !is_displacement(symbol)).collect();
-            let directions = if moving.len() < state.len() {
-                state.iter().copied().filter(|&symbol| is_displacement(symbol)).collect()
-            } else {
-                moving.clone()
-            };
-            for &direction in &directions {
-                let slope = self.graph.derivative(term, direction);
-                for &symbol in &moving {
-                    if !self.graph.depends_on(slope, &[symbol]) {
-                        continue;
+            let (displaced, moving): (Vec<usize>, Vec<usize>) = (0..element.locals.len())
+                .filter(is_state_of_term)
+                .partition(|&local| displacements.contains(&symbol_of(local)));
+            // A force is linear in its displacements; its components are the slopes by these.
+            let directions = if displaced.is_empty() { &moving } else { &displaced };
+            for &direction in directions {
+                let slope = self.graph.derivative(term, symbol_of(direction));
+                for &read in &moving {
+                    if self.graph.depends_on(slope, &[symbol_of(read)]) {
+                        let varies_with = self.varying(element, &moving, slope, symbol_of(read));
+                        pairs.push(Pair { slope: direction, read, varies_with });
                     }
-                    let varies: Vec<Symbol> = if self.graph.has_pieces(slope, &[symbol]) {
-                        moving.clone()
-                    } else {
-                        let curvature = self.graph.derivative(slope, symbol);
-                        moving
-                            .iter()
-                            .copied()
-                            .filter(|&other| self.graph.depends_on(curvature, &[other]))
-                            .collect()
-                    };
-                    let varies_with = varies.into_iter().map(place).collect();
-                    pairs.push(Pair { slope: place(direction), read: place(symbol), varies_with });
                 }
             }
         }
         pairs
+    }
+
+    /// Those of the locals `moving` on which the derivative of a slope by `symbol` depends; all of them where
+    /// the slope has pieces.
+    fn varying(&mut self, element: &Element, moving: &[usize], slope: Expr, symbol: Symbol) -> Vec<usize> {
+        if self.graph.has_pieces(slope, &[symbol]) {
+            return moving.to_vec();
+        }
+        let derivative = self.graph.derivative(slope, symbol);
+        let is_read = |&&local: &&usize| self.graph.depends_on(derivative, &[element.locals[local].symbol]);
+        moving.iter().filter(is_read).copied().collect()
     }
 
     /// Adds the couplings of every placement of an element; `None` if a place or a bound is unknown, or if
@@ -360,7 +358,7 @@ impl Placer<'_> {
         couplings.extend(pairs.iter().map(|pair| Coupling {
             equation: equation(unknowns[pair.slope]),
             unknown: unknowns[pair.read],
-            varies_with: pair.varies_with.iter().map(|&place| unknowns[place]).collect(),
+            varies_with: pair.varies_with.iter().map(|&local| unknowns[local]).collect(),
         }));
         Some(())
     }

@@ -75,7 +75,7 @@ pub(crate) enum Half {
     Displacements,
 }
 
-/// Where the value of a local variable is.
+/// The place of the value of a local variable.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Slot {
     /// Component of one half, counted as in the state vector.
@@ -255,7 +255,7 @@ pub(crate) struct System {
     /// `e^{γ (t - t_i)}` with this rate, where elements are emitted in loops.
     pub(crate) scale: Option<Symbol>,
     pub(crate) temperature: Option<Temperature>,
-    /// Where `Ito` is written, if noises are in that sense.
+    /// The place of `Ito` in the source, if noises are in that sense.
     pub(crate) ito: Option<Extent>,
     /// The correction by which this system in the sense of Ito is one in the sense of Stratonovich.
     pub(crate) conversion: Option<Conversion>,

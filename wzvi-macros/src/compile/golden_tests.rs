@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::expand;
 
-/// Where the files are: beside the tests of the facade, which compile them.
+/// The folder of the files: beside the tests of the facade, which compile them.
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/compiler/golden");
 
 /// Name, the attribute's arguments, the struct.

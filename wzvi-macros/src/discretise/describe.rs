@@ -216,7 +216,7 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         let name = if invariant.name.is_empty() { String::new() } else { format!("{} = ", invariant.name) };
         say!(text, "  first integral {name}{value}: {keeps}");
     }
-    let has_integrals = !facts.invariants.is_empty() || facts.energy.is_kept.is_proven();
+    let has_integrals = !facts.invariants.is_empty() || facts.energy.is_conserved.is_proven();
     if has_noise && has_integrals {
         say!(
             text,
@@ -275,7 +275,7 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
         2 => "O(h²)".to_owned(),
         order => format!("O(h^{order})"),
     };
-    match &facts.energy.is_kept {
+    match &facts.energy.is_conserved {
         Knowledge::Proven => {
             // Steps with noise or a force follow no modified energy, also where these have no power.
             let keeps = if facts.energy_form.is_kept(embedding, has_noise) {
@@ -313,7 +313,7 @@ fn followed(facts: &Facts, embedding: &Embedding) -> &'static str {
     }
 }
 
-/// Where branches meet.
+/// Adds a line for each boundary between branches.
 fn crossings(facts: &Facts, text: &mut String) {
     let numbers = std::iter::once("0").chain(facts.numbers.iter().map(String::as_str));
     for (number, boundaries) in numbers.zip(&facts.boundaries) {

@@ -67,7 +67,7 @@ pub(crate) struct Facts {
     pub(crate) energy: Energy,
     /// The form of the drift.
     pub(crate) energy_form: PreservedForm,
-    /// Where branches of the drift and of each noise meet.
+    /// The boundaries between branches, of the drift and of each noise.
     pub(crate) boundaries: Vec<Vec<Boundary>>,
     pub(crate) commuting: Knowledge,
     /// Whether centred steps of order two, for multiplicative noise of order four, are proven to have weak
@@ -129,7 +129,7 @@ pub(crate) struct Energy {
     /// `f · ∂H_0/∂p` of the forces, with what is said of it.
     pub(crate) powers: Vec<(String, Sum)>,
     /// Whether it is a first integral.
-    pub(crate) is_kept: Knowledge,
+    pub(crate) is_conserved: Knowledge,
     /// Whether jumps of `H_0` are the only known reason why it is not.
     pub(crate) only_jumps: bool,
     /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified
@@ -159,13 +159,13 @@ impl Energy {
         let across = all(jumps);
         let only_jumps =
             matches!(across, Knowledge::Refuted(_)) && !matches!(on_pieces, Knowledge::Refuted(_));
-        let is_kept = all([on_pieces, across]);
+        let is_conserved = all([on_pieces, across]);
         let said =
             powers.into_iter().filter_map(|(said, power)| Some((said?, power.sum.unwrap_or_default())));
         // A vanishing rate is printed as zero, not as a difference of equal terms.
         let printed = |rate: KnownSum| rate.sum.filter(|_| !rate.known.is_proven()).unwrap_or_default();
         let rates = rates.into_iter().map(printed).collect();
-        (Self { rates, powers: said.collect(), is_kept, only_jumps, is_conservative }, boundaries)
+        (Self { rates, powers: said.collect(), is_conserved, only_jumps, is_conservative }, boundaries)
     }
 }
 
@@ -189,7 +189,7 @@ impl Facts {
             });
         let (energy, boundaries) = Energy::of(sums, &hamiltonians);
         let class = noise_class(sums.graph, &noises);
-        let energy_form = match energy.is_kept {
+        let energy_form = match energy.is_conserved {
             Knowledge::Proven => invariants::form_of(sums, &hamiltonians, drift),
             _ => PreservedForm::NONE,
         };
@@ -202,7 +202,7 @@ impl Facts {
         let commuting =
             all([commuting_hamiltonians(sums, noise), commuting_forces(sums, noise, &forces.noise), jumps]);
         let has_weak_order_two =
-            commuting.is_proven() && weak::has_order_two(sums, &hamiltonians, class, &energy.is_kept);
+            commuting.is_proven() && weak::has_order_two(sums, &hamiltonians, class, &energy.is_conserved);
         Self {
             noise: class,
             has_force: system.force.is_some(),

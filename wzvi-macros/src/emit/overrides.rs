@@ -7,7 +7,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 macro_rules! overrides {
-    ($($(#[doc = $doc:literal])* $name:ident: $($field:ident)+;)+) => {$(
+    ($($(#[doc = $doc:literal])* $name:ident of $of:ident: $($field:ident)+;)+) => {$(
         $(#[doc = $doc])*
         #[derive(Default)]
         pub(crate) struct $name {
@@ -25,20 +25,20 @@ macro_rules! overrides {
     )+
 
         #[cfg(test)]
-        const FIELDS: &[(&str, &[&str])] = &[$((stringify!($name), &[$(stringify!($field)),+])),+];
+        const FIELDS: &[(&str, &[&str])] = &[$((stringify!($of), &[$(stringify!($field)),+])),+];
     };
 }
 
 overrides! {
     /// The facts of a system that do not depend on the scheme.
-    Facts: noise conserves_energy energy_jumps commuting has_weak_order_two is_damped has_pieces kind bath parts
+    FactOverrides of Facts: noise conserves_energy energy_jumps commuting has_weak_order_two is_damped has_pieces kind bath parts
         integrals has_windows has_pairs gathers has_one_velocity has_constant_curvature coupled_degrees;
-    /// What acts beside the Hamiltonians.
-    Kind: is_conformal is_forced has_noise_forces reads_time;
+    /// Friction, forces and explicit time of a system.
+    KindOverrides of Kind: is_conformal is_forced has_noise_forces reads_time;
     /// Friction of a bath.
-    Friction: is_matrix is_per_state has_diagonal_masses has_temperatures is_timed;
+    FrictionOverrides of Friction: is_matrix is_per_state has_diagonal_masses has_temperatures is_timed;
     /// The quadrature of steps in loops.
-    Quadrature: unknowns remembers is_linear;
+    QuadratureOverrides of Quadrature: unknowns remembers is_linear;
 }
 
 /// `true` where it holds.

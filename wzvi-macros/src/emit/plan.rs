@@ -12,7 +12,7 @@ use crate::symbolic::Knowledge;
 
 /// The facts independent of the scheme, those of elements among them, as far as they differ from those of an
 /// autonomous system.
-pub(crate) fn facts(system: &System, facts: &Facts, of_elements: overrides::Facts) -> TokenStream {
+pub(crate) fn facts(system: &System, facts: &Facts, of_elements: overrides::FactOverrides) -> TokenStream {
     let class = format_ident!("{}", format!("{:?}", facts.noise));
     let noise = (facts.noise != NoiseClass::None).then(|| quote!(__wzvi::NoiseClass::#class));
     let is_damped = system.friction.is_some() || system.conformal.is_some();
@@ -22,9 +22,9 @@ pub(crate) fn facts(system: &System, facts: &Facts, of_elements: overrides::Fact
         let may_couple = read.len() > 1 || element.is_covector();
         may_couple && system.graph.has_pieces(element.value, &read)
     });
-    let known = overrides::Facts {
+    let known = overrides::FactOverrides {
         noise,
-        conserves_energy: knowledge(&facts.energy.is_kept),
+        conserves_energy: knowledge(&facts.energy.is_conserved),
         energy_jumps: holds(facts.energy.only_jumps),
         commuting: knowledge(&facts.commuting),
         has_weak_order_two: (!facts.has_weak_order_two).then(|| quote!(false)),

@@ -224,7 +224,7 @@ impl Program {
         }
     }
 
-    /// Which operations depend on any of `inputs`, themselves included.
+    /// For each operation, whether it depends on any of `inputs`; each of these does.
     pub(crate) fn readers_of(&self, inputs: &[Op]) -> Vec<bool> {
         let mut reads = vec![false; self.operations.len()];
         for op in 0..self.operations.len() {

@@ -25,7 +25,7 @@ pub(crate) struct Declaration {
     pub(crate) embeddings: Vec<(Located<Embedding>, syn::Type)>,
     /// Whether `embeddings` is complete: none was misspelled.
     pub(crate) all_embeddings_known: bool,
-    /// Where `Ito` is written, if noises are in that sense.
+    /// The place of `Ito` in the source, if noises are in that sense.
     pub(crate) ito: Option<Extent>,
     pub(crate) crate_path: Path,
     /// The shared functions that the closures call.

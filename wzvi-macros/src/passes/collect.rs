@@ -9,7 +9,7 @@
 
 use std::collections::HashMap;
 
-use super::unroll::{Unroller, parts};
+use super::unroll::{Unroller, unroller_and_terms};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::distinct::Distinct;
 use crate::model::symbols::IndexedSum;
@@ -19,7 +19,7 @@ use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 /// Makes the elements of every term; reports terms that are not sums of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
     let degrees = system.size.multiply(&Index::integer(system.components)).and_then(|all| all.as_integer());
-    let (mut writer, before, noise, after) = parts(system);
+    let (mut writer, before, noise, after) = unroller_and_terms(system);
     let singles = before.into_iter().chain(after).map(|term| (term, Vec::new()));
     let noise = noise.iter_mut().map(|noise| {
         let loops = members(noise).into_iter().collect();
@@ -49,7 +49,7 @@ pub(crate) fn sketched(system: &mut System) -> Option<[Vec<Element>; 2]> {
         .iter()
         .map(|noise| (noise.term.expression, members(noise).into_iter().collect()))
         .collect();
-    let (mut writer, ..) = parts(system);
+    let (mut writer, ..) = unroller_and_terms(system);
     let mut elements = <[Vec<Element>; 2]>::default();
     for expression in drift {
         writer.decompose(expression, &[], &mut elements[0])?;
@@ -68,7 +68,7 @@ fn members(noise: &Noise) -> Option<Loop> {
 
 /// Elements as derivatives need them: each reads only coordinates, only momenta, or what cannot be parted.
 pub(super) fn parted(system: &mut System, elements: &[Element]) -> Vec<Element> {
-    let (mut writer, ..) = parts(system);
+    let (mut writer, ..) = unroller_and_terms(system);
     elements.iter().flat_map(|element| writer.parted(element)).collect()
 }
 

@@ -173,11 +173,7 @@ impl Calculus<'_> {
             }
         }
         for Weighted { element, .. } in &mut along {
-            let state: Vec<Symbol> = element
-                .of_half(Half::Coordinates)
-                .chain(element.of_half(Half::Momenta))
-                .map(|(symbol, _)| symbol)
-                .collect();
+            let state = state_of(element);
             let terms = by_degree(self.graph, element.value, &state)?;
             let weighted = (1..).zip(terms.get(1..).unwrap_or_default());
             let weighted: Vec<(Expr, Rational)> = weighted
@@ -192,11 +188,7 @@ impl Calculus<'_> {
     fn linear_part(&mut self, sum: &Sum) -> Sum {
         let mut linear = sum.clone();
         for Weighted { element, .. } in &mut linear {
-            let state: Vec<Symbol> = element
-                .of_half(Half::Coordinates)
-                .chain(element.of_half(Half::Momenta))
-                .map(|(symbol, _)| symbol)
-                .collect();
+            let state = state_of(element);
             element.value = linear_terms(self.graph, element.value, &state);
         }
         self.combine(&[(&linear, Rational::ONE)])
@@ -358,7 +350,7 @@ fn linear_terms(graph: &mut Graph, expr: Expr, state: &[Symbol]) -> Expr {
     }
 }
 
-/// More than the Hamiltonians of noises have.
+/// The highest degree of a polynomial that is looked for: more than the Hamiltonians of noises have.
 const MOST_DEGREES: usize = 32;
 
 /// `∇ · c` as text, of elements without loops; empty for others and for zero.
@@ -385,12 +377,18 @@ fn expansion(graph: &mut Graph, of_coordinates: &Sum, of_momenta: &Sum) -> Strin
     if graph.is_zero(rate) { String::new() } else { graph.display(rate) }
 }
 
+/// The symbols of coordinates and momenta that an element reads.
+fn state_of(element: &Element) -> Vec<Symbol> {
+    let halves = element.of_half(Half::Coordinates).chain(element.of_half(Half::Momenta));
+    halves.map(|(symbol, _)| symbol).collect()
+}
+
 /// The elements of a sum with the variables of the system: for values, and parted for derivatives.
 fn elements(system: &mut System, sum: Sum) -> (Vec<Element>, Vec<Element>) {
     let mut values = Vec::new();
     for part in sum {
         let System { graph, symbols, tables, .. } = system;
-        let mut images = std::collections::HashMap::new();
+        let mut images = HashMap::new();
         for Local { symbol, slot } in &part.element.locals {
             let known = symbols.local(graph, slot.clone(), tables);
             if known != *symbol {

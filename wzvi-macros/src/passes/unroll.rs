@@ -19,20 +19,22 @@ use crate::model::{
 };
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
-/// What is short: turns of a loop, and nodes of the sum that is written out. With more nodes the code of
-/// derivatives is larger than that of a loop, and no faster.
+/// Bounds of a sum that is unrolled. With more nodes the code of derivatives is larger than that of a loop,
+/// and no faster.
 #[derive(Clone, Copy)]
-struct Short {
+struct ShortSum {
+    /// The most turns of its loop.
     turns: i128,
+    /// The most nodes of the sum that is written out.
     nodes: usize,
 }
 
 /// An inner loop that is unrolled.
-const INNER: Short = Short { turns: 16, nodes: 200 };
+const INNER: ShortSum = ShortSum { turns: 16, nodes: 200 };
 
 /// An outermost loop of a system in loops that is unrolled. Longer ones run vectorised over neighbours, which
 /// pays for their setup.
-const OUTERMOST: Short = Short { turns: 8, nodes: 24 };
+const OUTERMOST: ShortSum = ShortSum { turns: 8, nodes: 24 };
 
 /// The most points of a system that is written out where its elements are refused in loops.
 const POINTS: i128 = 16;
@@ -51,7 +53,7 @@ pub(crate) fn unroll(system: &mut System) {
         return;
     }
     system.form = Form::Loops;
-    let (mut writer, before, noise, after) = parts(system);
+    let (mut writer, before, noise, after) = unroller_and_terms(system);
     let noise = noise.iter_mut().map(|noise| &mut noise.term);
     for term in before.into_iter().chain(noise).chain(after) {
         writer.spent = 0;
@@ -59,14 +61,16 @@ pub(crate) fn unroll(system: &mut System) {
     }
 }
 
-/// A writer, and the terms: those before the noises, the noises, and those after them.
-pub(super) fn parts(system: &mut System) -> (Unroller<'_>, Vec<&mut Term>, &mut Vec<Noise>, Vec<&mut Term>) {
+/// An unroller, and the terms that it works on: those before the noises, the noises, and those after them.
+pub(super) fn unroller_and_terms(
+    system: &mut System,
+) -> (Unroller<'_>, Vec<&mut Term>, &mut Vec<Noise>, Vec<&mut Term>) {
     let System {
         graph,
         symbols,
         tables,
         drift,
-        summands: parts,
+        summands,
         noise,
         force,
         friction,
@@ -79,7 +83,7 @@ pub(super) fn parts(system: &mut System) -> (Unroller<'_>, Vec<&mut Term>, &mut 
     let after = invariants.iter_mut().chain(force).chain(friction).chain(temperature);
     (
         Unroller::new(graph, symbols, tables),
-        [drift].into_iter().chain(parts).collect(),
+        [drift].into_iter().chain(summands).collect(),
         noise,
         after.collect(),
     )
@@ -87,7 +91,7 @@ pub(super) fn parts(system: &mut System) -> (Unroller<'_>, Vec<&mut Term>, &mut 
 
 /// Unrolls every loop and family; `false`, without changes, if that is impossible.
 fn unroll_all(system: &mut System) -> bool {
-    let (mut writer, before, noise, after) = parts(system);
+    let (mut writer, before, noise, after) = unroller_and_terms(system);
     let Some(first) = writer.expressions(&before) else { return false };
     let mut members = Vec::with_capacity(noise.len());
     for Noise { term, family, is_force } in &*noise {
@@ -137,7 +141,7 @@ impl<'a> Unroller<'a> {
     }
 
     /// `expr` with short sums unrolled, and short ones in the bodies of the others, too.
-    fn without_short_sums(&mut self, expr: Expr, short: Short) -> Expr {
+    fn without_short_sums(&mut self, expr: Expr, short: ShortSum) -> Expr {
         let mut images = HashMap::new();
         for symbol in self.graph.symbols_in(expr) {
             let Some(IndexedSum { range, body, .. }) = self.symbols.sum_of(symbol).cloned() else { continue };

@@ -92,7 +92,7 @@ fn check(point: &str, least: usize, drift: &str, noise: &str, expected: &Expecte
             &n,
         );
         let (_, facts) = facts_of(&attribute);
-        let found = [&facts.noise_contraction.known, &facts.energy.is_kept, &facts.commuting];
+        let found = [&facts.noise_contraction.known, &facts.energy.is_conserved, &facts.commuting];
         let wanted = [expected.consistent, expected.energy, expected.commuting];
         assert_eq!(found.map(verdict), wanted, "{attribute}: {found:?}");
         assert_eq!(facts.noise, expected.noise, "{attribute}");

@@ -45,7 +45,7 @@ pub(super) fn kind(model: &System) -> Option<TokenStream> {
     if !(is_conformal || is_forced || has_noise_forces || reads_time) {
         return None;
     }
-    let acting = overrides::Kind {
+    let acting = overrides::KindOverrides {
         is_conformal: holds(is_conformal),
         is_forced: holds(is_forced),
         has_noise_forces: holds(has_noise_forces),

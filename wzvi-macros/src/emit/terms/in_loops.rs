@@ -57,7 +57,8 @@ pub(crate) fn quadrature(
         Unknowns::Momenta => None,
         Unknowns::Both => Some(quote!(__wzvi::elements::Unknowns::Both)),
     };
-    let known = overrides::Quadrature { unknowns, remembers: holds(remembers), is_linear: holds(is_linear) };
+    let known =
+        overrides::QuadratureOverrides { unknowns, remembers: holds(remembers), is_linear: holds(is_linear) };
     known.over(&quadrature, straight)
 }
 

@@ -161,7 +161,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let has_loops = model.form == Form::Loops || model.line.is_none();
     // Steps in straight lines count the unknowns of their blocks.
     let coupled = facts.coupled_degrees.filter(|_| has_loops).map(count);
-    let of_elements = overrides::Facts {
+    let of_elements = overrides::FactOverrides {
         kind: hamiltonian::kind(model),
         bath: numbered::bath(model),
         parts: numbered::forms(model, texts),

@@ -103,7 +103,7 @@ pub(super) fn bath(model: &mut System) -> Option<TokenStream> {
         }
         None => quote!(__wzvi::None),
     };
-    let known = overrides::Friction {
+    let known = overrides::FrictionOverrides {
         is_matrix: holds(friction.is_matrix),
         is_per_state: holds(friction.is_per_place()),
         has_diagonal_masses: (!is_diagonal).then(|| quote!(false)),
