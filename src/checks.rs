@@ -4,12 +4,12 @@
 pub use core::marker::PhantomData;
 pub use core::primitive::f64;
 
-use wzvi_runtime::algebra::carry::{Carry, Plain};
-use wzvi_runtime::algebra::scalar::{Constant, Over, Scalar};
+use wzvi_runtime::algebra::scalar::{ComputesWith, Constant, Scalar};
 use wzvi_runtime::algebra::solve::Effort;
+use wzvi_runtime::algebra::state_sum::{PlainSum, StateSum};
 use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
-use wzvi_runtime::scheme::system::{At, Hamiltonian, Lift, Movable, Scheme};
+use wzvi_runtime::scheme::system::{Hamiltonian, LiftParameter, Movable, Scheme, StepArguments};
 
 /// A scheme as it was written is the type that it was read as.
 pub fn is_same<E>(_: PhantomData<E>) {}
@@ -67,17 +67,17 @@ impl<H: Hamiltonian> Scheme<H> for NoSteps {
     };
     type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = ();
-    type Compensated<S: Scalar> = Plain;
-    type Carry<S: Scalar> = Plain;
+    type CompensatedSum<S: Scalar> = PlainSum;
+    type Sum<S: Scalar> = PlainSum;
 
-    fn prepare<K: Constant>(_: &H, _: Lift<'_, K>, _: K) -> Result<(), ConfigError> {
+    fn prepare<K: Constant>(_: &H, _: LiftParameter<'_, K>, _: K) -> Result<(), ConfigError> {
         Err(ConfigError::Parameter)
     }
 
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         _: &H,
         _: &(),
-        _: At<'_, S, K, impl Movable<S> + ?Sized>,
+        _: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         _: &mut (),
         _: &mut C,
     ) -> Result<Effort, StepFailure> {

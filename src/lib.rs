@@ -195,20 +195,22 @@ pub use wzvi_runtime::mpi;
 pub use wzvi_runtime::nalgebra;
 #[cfg(feature = "noise")]
 pub use wzvi_runtime::noise;
-pub use wzvi_runtime::path::Error;
-pub use wzvi_runtime::path::{chaos, checkpoint, retry, section, series, simulate, step, trajectory};
 #[cfg(feature = "svg")]
 pub use wzvi_runtime::plot;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::saving::table;
 pub use wzvi_runtime::scheme::{bath, compose, dense, elements, embedding, modified, plan, system};
+pub use wzvi_runtime::trajectory::Error;
+pub use wzvi_runtime::trajectory::{
+    chaos, checkpoint, recorded as trajectory, retry, section, series, simulate, step,
+};
 pub use wzvi_runtime::{increments, integrate};
 
 /// Errors. Each says where, why and what to do; none leaves a state changed.
 pub mod error {
     pub use wzvi_runtime::error::*;
-    pub use wzvi_runtime::path::error::*;
+    pub use wzvi_runtime::trajectory::error::*;
 }
 
 #[cfg(not(feature = "report"))]
@@ -233,16 +235,16 @@ pub mod prelude {
     pub use wzvi_runtime::integrate::Integrate;
     #[cfg(feature = "noise")]
     pub use wzvi_runtime::noise::{StepNormals, Wiener, WongZakai};
-    pub use wzvi_runtime::path::checkpoint::Checkpoint;
-    pub use wzvi_runtime::path::retry::Retry;
-    pub use wzvi_runtime::path::step::Stepper;
-    pub use wzvi_runtime::path::trajectory::Trajectory;
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;
     pub use wzvi_runtime::scheme::elements::Iteration;
     pub use wzvi_runtime::scheme::embedding::prelude::*;
     pub use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scheme::system::{Discretized, Hamiltonian, SystemState};
+    pub use wzvi_runtime::trajectory::checkpoint::Checkpoint;
+    pub use wzvi_runtime::trajectory::recorded::Trajectory;
+    pub use wzvi_runtime::trajectory::retry::Retry;
+    pub use wzvi_runtime::trajectory::step::Stepper;
 }
 
 /// Names for generated code. Its version is pinned to that of the macro; nothing here is for users.
@@ -263,12 +265,13 @@ pub mod __private {
     pub use crate::functions::{ErrorFunctions, SpecialFunctions};
     pub use wzvi_macros::__continue;
 
-    pub use wzvi_runtime::algebra::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::algebra::scalar::{
-        Constant, Factored, Mask, Number, Of, Over, Reals, Rounded, Scalar, Special, Truths, Varied,
+        ComputesWith, Constant, ConstantsIn, Factored, Mask, Number, Reals, Rounded, Scalar, Special, Truths,
+        Varied,
     };
     pub use wzvi_runtime::algebra::solve::*;
     pub use wzvi_runtime::algebra::state::{State, Vector};
+    pub use wzvi_runtime::algebra::state_sum::{FixedCompensatedSum, PlainSum, StateSum};
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
     pub use wzvi_runtime::ground::variables::{Labels, Variables};
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
@@ -280,8 +283,8 @@ pub mod __private {
     pub use wzvi_runtime::scheme::modified::Conservative;
     pub use wzvi_runtime::scheme::plan::{Facts, Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scheme::system::{
-        Discretized, Hamiltonian, Kind, Lift, Scheme, Solution, Straight, StraightLine, covector, gradient,
-        varied,
+        Discretized, Hamiltonian, Kind, LiftParameter, Scheme, Solution, Straight, StraightLine, covector,
+        gradient, varied,
     };
 
     pub use crate::__bindings as bindings;

@@ -9,7 +9,7 @@ use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 use wzvi::simulate::Simulation;
-use wzvi::system::{At, Scheme, SchemeOf};
+use wzvi::system::{Scheme, SchemeOf, StepArguments};
 
 use crate::lattice::Torus;
 use crate::one_by_one::{H, check, check_others, check_scheme, numbers};
@@ -274,14 +274,14 @@ fn check_compensated<E, S: Discretized<E, Vector = DVector<f64>>>(system: &S, n:
     let (q, p) = (numbers(n, 0.2), numbers(n, 1.1));
     let (mut own_q, mut own_p, prepared) = (alone(&q), alone(&p), system.prepare(H).unwrap());
     let mut memory = <SchemeOf<S, E> as Scheme<S>>::Memory::<One>::default();
-    let mut carry = <SchemeOf<S, E> as Scheme<S>>::Compensated::<One>::default();
+    let mut carry = <SchemeOf<S, E> as Scheme<S>>::CompensatedSum::<One>::default();
     let stepper = |threads| system.stepper::<E>(H).unwrap().compensated().threads(threads).unwrap();
     let mut runs = [1, 2, 5].map(|threads| (stepper(threads), State::new(q.clone(), p.clone())));
     for step in 0..6 {
         let dw: Vec<f64> =
             numbers(system.increments(n), 0.7 * f64::from(step)).iter().map(|x| 0.1 * x).collect();
         let (own_dw, t) = (alone(&dw), H * f64::from(step));
-        let at = At { t, h: H, q: &mut own_q[..], p: &mut own_p[..], dw: &own_dw };
+        let at = StepArguments { t, h: H, q: &mut own_q[..], p: &mut own_p[..], dw: &own_dw };
         SchemeOf::<S, E>::advance::<f64, One, _, false>(system, &prepared, at, &mut memory, &mut carry)
             .unwrap();
         for (stepper, state) in &mut runs {

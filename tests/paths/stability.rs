@@ -2,10 +2,10 @@
 
 use fixtures::small::Cubic;
 use fixtures::stiff::{SpringPendulum, hanging, length_error, spring_errors, subdivision_cures};
-use wzvi::__private::Plain;
+use wzvi::__private::PlainSum;
 use wzvi::error::{StepError, StepFailure};
 use wzvi::prelude::*;
-use wzvi::system::{At, Scheme, SchemeOf};
+use wzvi::system::{Scheme, SchemeOf, StepArguments};
 
 /// [`Cubic`], kicked.
 #[hamiltonian(
@@ -220,14 +220,14 @@ fn isolated_unknowns_count_in_the_orientation() {
     let prepared = Discretized::<Midpoint>::prepare(&DilatedWell, h).unwrap();
     for w in [-1.5, -0.5, 0.5, 1.5] {
         let (mut q, mut p) = ([0.5], [0.5]);
-        let at = At { t: 0.0, h, q: &mut q[..], p: &mut p[..], dw: &[2.0 * w] };
+        let at = StepArguments { t: 0.0, h, q: &mut q[..], p: &mut p[..], dw: &[2.0 * w] };
         let memory = &mut Default::default();
-        let effort = SchemeOf::<DilatedWell, Midpoint>::advance::<f64, f64, Plain, true>(
+        let effort = SchemeOf::<DilatedWell, Midpoint>::advance::<f64, f64, PlainSum, true>(
             &DilatedWell,
             &prepared,
             at,
             memory,
-            &mut Plain,
+            &mut PlainSum,
         )
         .unwrap();
         let mid = 0.5 * (0.5 + q[0]);

@@ -307,8 +307,8 @@ impl Placer<'_> {
         pairs
     }
 
-    /// Those of the locals `moving` on which the derivative of a slope by `symbol` depends; all of them where
-    /// the slope has pieces.
+    /// The locals among `moving` on which the derivative of a slope by `symbol` depends. All of them if the
+    /// slope has pieces.
     fn varying(&mut self, element: &Element, moving: &[usize], slope: Expr, symbol: Symbol) -> Vec<usize> {
         if self.graph.has_pieces(slope, &[symbol]) {
             return moving.to_vec();

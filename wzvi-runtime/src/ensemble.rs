@@ -9,9 +9,9 @@
 //! that of its time, `⌊t/h⌋`. They do not form a Wiener tree: another step size is another sample, except
 //! between the levels of [`Multilevel`]. [`Ensemble::noise`] takes any other noise.
 //!
-//! A path is that of [`Stepper::plain`](crate::path::step::Stepper::plain) with the same increments. The bits
-//! are equal if `H` has only arithmetic and roots, since lanes have elementary functions of their own
-//! ([`crate::algebra::lanes`]). Hard steps are taken by the stepper, with the functions of `std`.
+//! A path is that of [`Stepper::plain`](crate::trajectory::step::Stepper::plain) with the same increments.
+//! The bits are equal if `H` has only arithmetic and roots, since lanes have elementary functions of their
+//! own ([`crate::algebra::lanes`]). Hard steps are taken by the stepper, with the functions of `std`.
 //!
 //! A step that fails is halved if [`Ensemble::retry`] allows it. Otherwise its path ends there, with its
 //! number and error in [`Statistics::failures`], and the other paths continue. [`Ensemble::replay`] runs a
@@ -29,15 +29,15 @@ mod draws;
 mod group;
 mod increments;
 mod job;
-mod keeping;
 mod multilevel;
 mod observation;
-mod origin;
-mod pace;
+mod provenance;
 mod replay;
+mod run_identity;
 pub(crate) mod schedule;
 mod source;
 mod starts;
+mod stop_poll;
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -46,17 +46,17 @@ pub use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 pub use crate::saving::FileError;
 pub use crate::statistics::StatisticsError;
 pub use crate::statistics::{
-    Crossings, Histogram, LossError, Passage, Passages, PathCrossing, PathFailure, Paths, Quantiles, Seen,
-    Statistic, Statistics, StatisticsNode, Tables, TargetStatus,
+    Crossings, Histogram, LossError, Passage, Passages, PathCrossing, PathFailure, PathValues, Quantiles,
+    Seen, Statistic, Statistics, StatisticsNode, Tables, TargetStatus,
 };
-use account::Account;
+use account::ChunkLedger;
 pub use chaos::{ChaosMap, MapDeviations};
 use chunk::in_chunks;
 use control::Control;
 pub use draws::Normals;
 use job::Inspector;
 pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEstimate, Nothing, Observed};
-use source::{Settings, Source};
+use source::{NoiseSource, NormalSettings};
 use starts::ByPath;
 pub use starts::{Draw, OneSystem, SystemByPath, Systems};
 
@@ -64,13 +64,13 @@ use crate::algebra::state::State;
 use crate::error::wrong;
 use crate::increments::Noise;
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
-use crate::path::Error;
-use crate::path::choice::{Choice, SOME};
-use crate::path::options::{self, Observables, OwnObservable, elsewhere, options};
-use crate::path::retry::Retry;
 pub use crate::saving::table::{Column, Table};
 use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::statistics::AnyStatistic;
+use crate::trajectory::Error;
+use crate::trajectory::exclusive_setting::{ExclusiveSetting, SOME};
+use crate::trajectory::options::{self, Observables, OwnObservable, elsewhere, options};
+use crate::trajectory::retry::Retry;
 
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it,
 /// [`Ensemble::run`] runs it.
@@ -81,40 +81,40 @@ use crate::statistics::AnyStatistic;
 /// system of its own.
 #[must_use = "nothing happens before `run`"]
 pub struct Ensemble<'a, H: Hamiltonian, E, N = StepNormals, P = OneSystem> {
-    setup: Setup<'a, H>,
-    types: Types<E, N, P>,
+    setup: EnsembleSetup<'a, H>,
+    types: EnsembleTypes<E, N, P>,
 }
 
 /// The settings so far.
-type Setup<'a, H> = options::Setup<'a, H, Many<'a, H>>;
+type EnsembleSetup<'a, H> = options::RunSetup<'a, H, EnsembleSettings<'a, H>>;
 
 /// Settings of ensembles only.
-struct Many<'a, H: Hamiltonian> {
+struct EnsembleSettings<'a, H: Hamiltonian> {
     /// A start for each path.
-    starts: Choice<ByPath<'a, State<H::Vector>>>,
-    systems: Choice<ByPath<'a, H>>,
+    starts: ExclusiveSetting<ByPath<'a, State<H::Vector>>>,
+    systems: ExclusiveSetting<ByPath<'a, H>>,
     paths: Option<u64>,
-    source: Choice<Source<'a>>,
-    settings: Settings,
+    source: ExclusiveSetting<NoiseSource<'a>>,
+    settings: NormalSettings,
     /// Observables that read the system of the path, by number.
     own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
     events: Observables<'a, H::Vector>,
-    wanted: Extras,
+    wanted: ExtraStatistics,
     inspector: Option<Inspector<'a, H::Vector>>,
     control: Control,
 }
 
-impl<H: Hamiltonian> Default for Many<'_, H> {
+impl<H: Hamiltonian> Default for EnsembleSettings<'_, H> {
     fn default() -> Self {
         Self {
-            starts: Choice::default(),
-            systems: Choice::default(),
+            starts: ExclusiveSetting::default(),
+            systems: ExclusiveSetting::default(),
             paths: None,
-            source: Choice::default(),
-            settings: Settings::default(),
+            source: ExclusiveSetting::default(),
+            settings: NormalSettings::default(),
             own: Vec::new(),
             events: Observables::default(),
-            wanted: Extras::default(),
+            wanted: ExtraStatistics::default(),
             inspector: None,
             control: Control::default(),
         }
@@ -122,11 +122,11 @@ impl<H: Hamiltonian> Default for Many<'_, H> {
 }
 
 /// Scheme, noise, and whether each path has its own system.
-type Types<E, N, P> = PhantomData<fn() -> (E, N, P)>;
+type EnsembleTypes<E, N, P> = PhantomData<fn() -> (E, N, P)>;
 
 /// What is computed besides moments.
 #[derive(Default)]
-struct Extras {
+struct ExtraStatistics {
     quantiles: bool,
     /// All by default.
     covariances: Option<bool>,
@@ -147,7 +147,7 @@ struct Extras {
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// Paths of `system` in steps of size `h`.
     pub fn new(system: &'a H, h: f64) -> Self {
-        Self { setup: Setup::new(system, h), types: PhantomData }
+        Self { setup: EnsembleSetup::new(system, h), types: PhantomData }
     }
 }
 
@@ -252,7 +252,7 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     /// that one ended and at their time, goes on with the same seed; one that starts at `t = 0` again needs
     /// another seed, since the same one repeats the noise of each path.
     pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, P> {
-        self.setup.more.source.set("seed", seed, Source::new(StepNormals::seed(seed)));
+        self.setup.more.source.set("seed", seed, NoiseSource::new(StepNormals::seed(seed)));
         self.marked()
     }
 
@@ -263,13 +263,13 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     /// [`StepNormals`] are drawn in lanes. Any other noise gives the increments of one path after the other,
     /// and costs as much as in a single run.
     pub fn noise<M: PathsOfNoise + Clone + Send + Sync + 'a>(mut self, noise: M) -> Ensemble<'a, H, E, M, P> {
-        self.setup.more.source.set("noise", SOME, Source::new(noise));
+        self.setup.more.source.set("noise", SOME, NoiseSource::new(noise));
         self.marked()
     }
 
-    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is
-    /// not to. The noise must have increments between the nodes
-    /// ([`Noise::is_divisible`]); the run refuses another one.
+    /// Halves steps that fail ([`crate::trajectory::retry`]): `Retry::halving(8)` allows 256 parts. The
+    /// default is not to. The noise must have increments between the nodes ([`Noise::is_divisible`]); the run
+    /// refuses another one.
     ///
     /// A path ends where the halves of a step do not agree
     /// ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), and where its energy has changed
@@ -316,8 +316,8 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     }
 
     /// Observes `work`, `shadow work` and `heat` of each path since its start, in units of energy, as
-    /// [`Trajectory::work`](crate::path::trajectory::Trajectory::work), its shadow part, and
-    /// [`Trajectory::heat`](crate::path::trajectory::Trajectory::heat) do for a single path. It is for
+    /// [`Trajectory::work`](crate::trajectory::recorded::Trajectory::work), its shadow part, and
+    /// [`Trajectory::heat`](crate::trajectory::recorded::Trajectory::heat) do for a single path. It is for
     /// systems with a bath, forces or friction. Where the temperatures of the degrees of freedom differ, it
     /// also observes the heat of each, `heat 0`, `heat 1`, ... Each path is then stepped by itself, which
     /// takes the time of single paths; where the system has elementary functions, the last bits of paths may
@@ -428,9 +428,9 @@ where
         if job.source.is_antithetic() && WIDTH % 2 == 1 {
             return wrong(format!("antithetic pairs in {WIDTH} lanes: take 2 or more"));
         }
-        let mut account = Account::open(&job, &control, keeping, execution.progress("paths"))?;
+        let mut account = ChunkLedger::open(&job, &control, keeping, execution.progress("paths"))?;
         let (chunks, hands) = (account.chunks(), (threads, instructions));
-        in_chunks::<H, E, P, WIDTH>(&job, None, chunks, hands, |chunk| account.take(chunk));
+        in_chunks::<H, E, P, WIDTH>(&job, None, chunks, hands, |chunk| account.add_chunk(chunk));
         account.close()
     }
 }

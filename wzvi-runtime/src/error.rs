@@ -28,7 +28,7 @@ mod internal;
 mod noise;
 mod stopped;
 
-use crate::ground::digits::Brief;
+use crate::ground::digits::ShortestDecimal;
 pub use bath::BathError;
 
 pub use derivative::DerivativeError;
@@ -55,7 +55,7 @@ pub struct StepError {
 }
 
 messages! { StepError:
-    Self { step, t, h, cause } => "step {step} from t = {} with h = {}: {cause}", Brief(*t), Brief(*h);
+    Self { step, t, h, cause } => "step {step} from t = {} with h = {}: {cause}", ShortestDecimal(*t), ShortestDecimal(*h);
 }
 
 /// A run that cannot start.
@@ -139,7 +139,7 @@ pub enum ConfigError {
 }
 
 messages! { ConfigError:
-    Self::StepSize(h) => "the step size is {}; it must be finite and not zero", Brief(*h);
+    Self::StepSize(h) => "the step size is {}; it must be finite and not zero", ShortestDecimal(*h);
     Self::Parameter =>
         "a Hamiltonian indexes beyond the end of a `Vec`, a parameter of the system is NaN, or what a step computes from parameters and its \
          size overflows";
@@ -148,14 +148,14 @@ messages! { ConfigError:
     Self::Bath(error) => "{error}";
     Self::Singular { h, pivot, scale } =>
         "the matrix of the step is singular for h = {} (pivot {pivot:.1e} at scale {scale:.1e}); \
-         take another step size", Brief(*h);
+         take another step size", ShortestDecimal(*h);
     Self::Pole { noise, h, increment, bound, largest } =>
         "a step of {} has a pole where the increment of noise {noise} is ±{increment:.3}, and increments of such steps are truncated at ±{bound:.3} only; \
-         take steps of at most {}", Brief(*h), Brief(*largest);
+         take steps of at most {}", ShortestDecimal(*h), ShortestDecimal(*largest);
     Self::Missing(what) => "the run needs {what}";
     Self::End { start, end, h } =>
         "cannot run from t = {} to t = {} in steps of {}; check the sign of h, and its size, which must not vanish beside t",
-        Brief(*start), Brief(*end), Brief(*h);
+        ShortestDecimal(*start), ShortestDecimal(*end), ShortestDecimal(*h);
     Self::Start(cause) => "the start is not usable: {cause}";
     Self::PathSystem { path, cause } => "the system of path {path} is not usable: {cause}";
     Self::PathStart { path, cause } => "the start of path {path} is not usable: {cause}";
@@ -170,10 +170,13 @@ pub(crate) fn wrong<T, E: From<ConfigError>>(what: impl Into<String>) -> Result<
 }
 
 /// Refuses a number that is not finite and above 0, in the words `what`.
-pub(crate) fn above_zero<E: From<ConfigError>>(x: f64, what: impl Fn(Brief) -> String) -> Result<(), E> {
+pub(crate) fn above_zero<E: From<ConfigError>>(
+    x: f64,
+    what: impl Fn(ShortestDecimal) -> String,
+) -> Result<(), E> {
     match x.is_finite() && x > 0.0 {
         true => Ok(()),
-        false => wrong(format!("{}: take a finite number above 0", what(Brief(x)))),
+        false => wrong(format!("{}: take a finite number above 0", what(ShortestDecimal(x)))),
     }
 }
 

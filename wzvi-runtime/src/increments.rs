@@ -87,8 +87,8 @@ pub trait Noise {
     /// than that of `interval` for a [last step that is shorter](Noise::increments_of_part). Parts that fill
     /// a step add up to its increments.
     ///
-    /// A last step is halved by it ([`Retry`](crate::path::retry::Retry)), and a recorded path asks for
-    /// [states between its nodes](crate::path::trajectory::Trajectory::at).
+    /// A last step is halved by it ([`Retry`](crate::trajectory::retry::Retry)), and a recorded path asks for
+    /// [states between its nodes](crate::trajectory::recorded::Trajectory::at).
     ///
     /// # Errors
     /// [`NoiseError`]; a source that keeps this default does not know its path there.
@@ -109,7 +109,8 @@ pub trait Noise {
 
     /// Whether [`Noise::increments`] also serves the halves of a step, their halves, and so on: intervals of
     /// size `h / 2^m` from the start of the run, numbered as steps of that size are. A run with
-    /// [`Retry`](crate::path::retry::Retry) needs that, and refuses other sources before its first step.
+    /// [`Retry`](crate::trajectory::retry::Retry) needs that, and refuses other sources before its first
+    /// step.
     ///
     /// The increments of the parts add up to those of the step. (`WongZakai` samples a velocity in each part,
     /// unless its sampling is exact: these do not.)

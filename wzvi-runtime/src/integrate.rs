@@ -4,12 +4,12 @@ use crate::algebra::state::State;
 #[cfg(feature = "ensemble")]
 use crate::ensemble::{Ensemble, Multilevel};
 use crate::error::ConfigError;
-use crate::path::simulate::Simulation;
-use crate::path::step::Stepper;
 #[cfg(feature = "report")]
 use crate::report::WorkPrecision;
 use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::trajectory::simulate::Simulation;
+use crate::trajectory::step::Stepper;
 
 /// Runs a system by one of its schemes, `Scheme`: the only parameter to name, as in
 /// `kubo.simulate::<Midpoint>(0.02)`.

@@ -12,7 +12,7 @@
 //! | `saving` | files and tables |
 //! | `statistics` | statistics of many paths |
 //! | `calculus` | derivatives and integrals on time scales |
-//! | `path` | one path: steps, records, sections, checkpoints |
+//! | `trajectory` | one path: steps, records, sections, checkpoints |
 //! | `ensemble` | many paths |
 //! | `plot`, `report` | figures and pages |
 //! | `integrate` | the entry points of runs |
@@ -37,7 +37,6 @@ pub mod increments;
 pub mod integrate;
 #[cfg(feature = "noise")]
 pub mod noise;
-pub mod path;
 #[cfg(feature = "svg")]
 pub mod plot;
 #[cfg(feature = "report")]
@@ -46,6 +45,7 @@ pub mod saving;
 pub mod scheme;
 #[cfg(feature = "ensemble")]
 pub mod statistics;
+pub mod trajectory;
 
 #[doc(hidden)]
 pub use core;

@@ -8,7 +8,7 @@
 //! statistics.plot().histogram("q")?.write("density.svg")?;
 //! ```
 //!
-//! [`Trajectory::plot`](crate::path::trajectory::Trajectory::plot) and `Statistics::plot` make figures of
+//! [`Trajectory::plot`](crate::trajectory::recorded::Trajectory::plot) and `Statistics::plot` make figures of
 //! paths and of ensembles. A [`Figure`] of your own takes any points, and a [`Sheet`] puts several into one
 //! file. Colours are those of Okabe and Ito, which every kind of colour vision tells apart.
 
@@ -24,7 +24,7 @@ mod sheet;
 mod statistics;
 mod ticks;
 
-pub use crate::path::error::PlotError;
+pub use crate::trajectory::error::PlotError;
 #[cfg(feature = "ensemble")]
 pub use chaos::ChaosMapPlot;
 pub(crate) use drawing::Plot;

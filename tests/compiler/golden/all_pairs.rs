@@ -53,8 +53,9 @@ const _: () = {
         Range, Scalar, Scheme, Sized, Some, Variables, f64, isize, str, usize,
         compose::General,
         elements::{
-            Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Point, Quadrature,
-            Row, Run, Slopes, Stage, Sums, Unknowns,
+            AdjacentSums, ElementInput, Elements, EvaluationPoint, InLoops, Loops,
+            MomentumUpdate, Pair, Partials, Quadrature, QuadraturePoint, Row, Sums,
+            Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -159,7 +160,12 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let g = at.parameter(0, self.g);
             let size = (at.degrees() / 2) as isize;
             match part {
@@ -221,18 +227,18 @@ const _: () = {
             }
         }
         type Exact = f64;
-        type Usual = f64;
+        type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
+            use AdjacentSums as _;
             let g = at.parameter(0, self.g);
             let size = (at.degrees() / 2) as isize;
             match part {
@@ -262,7 +268,7 @@ const _: () = {
                         struct Interaction;
                         impl Pair<5, 2, 1, 2> for Interaction {
                             #[cfg_attr(not(debug_assertions), inline(always))]
-                            fn slopes<T: Scalar>(
+                            fn gradient<T: Scalar>(
                                 [g,
                                 factor,
                                 q_2i,
@@ -325,7 +331,7 @@ const _: () = {
             quadrature: Quadrature {
                 unknowns: Unknowns::None,
                 ..Quadrature::new(
-                    &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                    &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
                     MomentumUpdate::Multiple(1.0),
                 )
             },

@@ -36,11 +36,14 @@ pub struct Heated {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Constant, Discretized, Facts, FnMut, Knowledge, Labels, Lift,
-        Number, Of, Option, Over, Reals, SVector, Scalar, Scheme, Sized, Some, Variables,
-        bool, f64, str, usize, bath::{Friction, Splitting},
+        self as wzvi, ComputesWith, Constant, ConstantsIn, Discretized, Facts, FnMut,
+        Knowledge, Labels, LiftParameter, Number, Option, Reals, SVector, Scalar, Scheme,
+        Sized, Some, Variables, bool, f64, str, usize, bath::{Friction, Splitting},
         compose::Nystrom,
-        elements::{By, Elements, FieldAt, Given, PairColumns, Point, Slopes, Sums},
+        elements::{
+            ElementInput, Elements, EvaluationPoint, FieldAt, HessianBlock, PairColumns,
+            Partials, Sums,
+        },
         embedding::Baoab, gauss::{Field, Fixed},
     };
     #[automatically_derived]
@@ -68,7 +71,12 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("m", self.m), ("gamma", self.gamma), ("kt", self.kt)].get(index).copied()
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let m = at.parameter(0, self.m);
             let kt = at.parameter(2, self.kt);
             match part {
@@ -92,14 +100,14 @@ const _: () = {
             }
         }
         type Exact = f64;
-        type Usual = f64;
+        type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -127,13 +135,13 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<S: Scalar>(
+        fn hessian<S: Scalar>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S>,
-            partials: Slopes,
-            into: &mut impl FnMut(By, [usize; 2], bool, S),
+            at: &EvaluationPoint<'_, S>,
+            partials: Partials,
+            into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
         ) {
             let gamma = at.parameter(1, self.gamma);
             match part {
@@ -143,10 +151,10 @@ const _: () = {
                         let factor = S::of_constant(at.h);
                         let minus = -(factor * gamma);
                         let minus2 = -(factor * 0.1);
-                        into(By::QP, [0, 0], true, minus);
-                        into(By::QP, [0, 1], true, minus2);
-                        into(By::QP, [1, 0], true, minus2);
-                        into(By::QP, [1, 1], true, minus);
+                        into(HessianBlock::QP, [0, 0], true, minus);
+                        into(HessianBlock::QP, [0, 1], true, minus2);
+                        into(HessianBlock::QP, [1, 0], true, minus2);
+                        into(HessianBlock::QP, [1, 1], true, minus);
                     }
                 }
                 _ => {}
@@ -159,13 +167,21 @@ const _: () = {
         const IN_LANES: bool = true;
         type Noises = Fixed<0>;
         type Parameters = Reals<1>;
-        fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K> {
+        fn parameters<K: Constant>(
+            &self,
+            lift: LiftParameter<'_, K>,
+        ) -> ConstantsIn<Self::Parameters, K> {
             [lift(0, self.m)]
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn step_slopes<K: Constant, S: Over<K>, const BY_Q: bool, const BY_P: bool>(
+        fn step_gradient<
+            K: Constant,
+            S: ComputesWith<K>,
+            const BY_Q: bool,
+            const BY_P: bool,
+        >(
             &self,
-            parameters: &Of<Self::Parameters, K>,
+            parameters: &ConstantsIn<Self::Parameters, K>,
             ([t, h], [coordinates, momenta], increments): FieldAt<'_, S>,
             [by_q,
             by_p,

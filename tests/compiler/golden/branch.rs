@@ -40,13 +40,14 @@ pub struct Wall {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Discretized,
-        Err, Extrapolation, Facts, Inputs, Lift, Mask, Number, Of, Ok, Option, Over,
-        Plain, Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver,
-        StepFailure, Straight, StraightLine, Truths, bool, f64, str, usize,
-        compose::General,
+        self as wzvi, Block, ComputesWith, ConfigError, Conservative, Constant,
+        ConstantsIn, Discretized, Err, Extrapolation, Facts, Inputs, LiftParameter, Mask,
+        Number, Ok, Option, PlainSum, Plan, Reals, Result, SVector, Scalar, Scheme,
+        Sized, Solution, Solver, StateSum, StepFailure, Straight, StraightLine, Truths,
+        bool, f64, str, usize, compose::General,
         elements::{
-            Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums,
+            ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
+            Quadrature, QuadraturePoint, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -59,7 +60,12 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("edge", self.edge), ("stiffness", self.stiffness)].get(index).copied()
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let edge = at.parameter(0, self.edge);
             let stiffness = at.parameter(1, self.stiffness);
             match part {
@@ -84,14 +90,14 @@ const _: () = {
             }
         }
         type Exact = f64;
-        type Usual = f64;
+        type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -134,7 +140,7 @@ const _: () = {
     struct Equations;
     impl Block<2, 0, 4, 1, 1> for Equations {
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn equations<S: Over<K>, K: Constant>(
+        fn equations<S: ComputesWith<K>, K: Constant>(
             (
                 [q,
                 p,
@@ -152,8 +158,10 @@ const _: () = {
             ]: [S; 1],
         ) -> ([S; 1], [[S; 1]; 1]) {
             let stage_q = q + (p + delta_p) * half_h;
-            let condition2 = Scalar::less(<S as Over<K>>::constant(edge), stage_q)
-                & <S as Over<K>>::truth(condition);
+            let condition2 = Scalar::less(
+                <S as ComputesWith<K>>::constant(edge),
+                stage_q,
+            ) & <S as ComputesWith<K>>::truth(condition);
             (
                 [
                     delta_p
@@ -168,7 +176,7 @@ const _: () = {
                     [
                         (Scalar::select(
                             condition2,
-                            <S as Over<K>>::constant(stiffness),
+                            <S as ComputesWith<K>>::constant(stiffness),
                             S::from_f64(0.0),
                         ) + 1.0) * product + 1.0,
                     ],
@@ -180,17 +188,17 @@ const _: () = {
     impl StraightLine<Midpoint, 1, 0> for Wall {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Newton, 1, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = (Reals<4>, Truths<1>);
         type Memory<S: Scalar> = Extrapolation<S, 1>;
-        type Carry<S: Scalar> = Plain;
+        type Sum<S: Scalar> = PlainSum;
         fn prepare<K: Constant>(
             &self,
-            lift: Lift<'_, K>,
+            lift: LiftParameter<'_, K>,
             h: K,
-        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+        ) -> Result<ConstantsIn<Self::Prepared, K>, ConfigError> {
             let edge = lift(0, self.edge);
             let stiffness = lift(1, self.stiffness);
             if edge.magnitude().is_nan() || stiffness.magnitude().is_nan() {
@@ -202,8 +210,8 @@ const _: () = {
             ))
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Of<Self::Prepared, K>,
+        fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
+            prepared: &ConstantsIn<Self::Prepared, K>,
             t: K,
             h: K,
             coordinates: [S; 1],

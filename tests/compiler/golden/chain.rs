@@ -49,8 +49,8 @@ const _: () = {
         self as wzvi, Conservative, DVector, Discretized, Facts, FnMut, Number, Option,
         Scalar, Scheme, Sized, Some, bool, f64, isize, str, usize, compose::General,
         elements::{
-            By, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Quadrature, Run,
-            Slopes, Stage, Sums,
+            AdjacentSums, ElementInput, Elements, EvaluationPoint, HessianBlock, InLoops,
+            Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
         },
         elements::places::{Index, Nest, Places, Slot},
         embedding::Midpoint, gauss::Dynamic,
@@ -58,7 +58,7 @@ const _: () = {
     #[automatically_derived]
     impl Elements for Chain {
         const FACTS: Facts = Facts {
-            has_windows: true,
+            has_tiles: true,
             has_one_velocity: true,
             ..Facts::autonomous(usize::MAX)
         };
@@ -73,7 +73,12 @@ const _: () = {
             tables: &[],
             nests: &[Nest::new(&[], &[Slot::Natural(Index::new(&[], 0, "0"))])],
         };
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
             match part {
@@ -123,18 +128,18 @@ const _: () = {
             }
         }
         type Exact = f64;
-        type Usual = f64;
+        type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
+            use AdjacentSums as _;
             let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
             match part {
@@ -190,13 +195,13 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<S: Scalar>(
+        fn hessian<S: Scalar>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S>,
-            partials: Slopes,
-            into: &mut impl FnMut(By, [usize; 2], bool, S),
+            at: &EvaluationPoint<'_, S>,
+            partials: Partials,
+            into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
         ) {
             let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
@@ -207,7 +212,12 @@ const _: () = {
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
                                 let i0 = i0 + place as isize;
-                                into(By::PP, [i0 as usize, i0 as usize], true, factor);
+                                into(
+                                    HessianBlock::PP,
+                                    [i0 as usize, i0 as usize],
+                                    true,
+                                    factor,
+                                );
                             }
                         }
                     }
@@ -227,18 +237,23 @@ const _: () = {
                                 let product = factor
                                     * (three_beta * (difference * difference) + 1.0);
                                 into(
-                                    By::QQ,
+                                    HessianBlock::QQ,
                                     [(i1 + 1) as usize, (i1 + 1) as usize],
                                     true,
                                     product,
                                 );
                                 into(
-                                    By::QQ,
+                                    HessianBlock::QQ,
                                     [(i1 + 1) as usize, i1 as usize],
                                     false,
                                     -product,
                                 );
-                                into(By::QQ, [i1 as usize, i1 as usize], true, product);
+                                into(
+                                    HessianBlock::QQ,
+                                    [i1 as usize, i1 as usize],
+                                    true,
+                                    product,
+                                );
                             }
                         }
                     }
@@ -247,7 +262,7 @@ const _: () = {
                         let factor = S::of_constant(at.h);
                         let q0 = at.q[0];
                         into(
-                            By::QQ,
+                            HessianBlock::QQ,
                             [0, 0],
                             true,
                             factor * (three_beta * (q0 * q0) + 1.0),
@@ -269,7 +284,7 @@ const _: () = {
             quadrature: Quadrature {
                 remembers: true,
                 ..Quadrature::new(
-                    &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+                    &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
                     MomentumUpdate::Multiple(2.0),
                 )
             },

@@ -43,12 +43,14 @@ pub struct Multiplicative {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Constant, Discretized, Effort, Err, Facts,
-        Knowledge, Lift, NoiseClass, Number, Of, Ok, Option, Over, PhantomData, Plain,
-        Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver,
-        StepFailure, Straight, StraightLine, bool, f64, str, usize, compose::General,
+        self as wzvi, ComputesWith, ConfigError, Constant, ConstantsIn, Discretized,
+        Effort, Err, Facts, Knowledge, LiftParameter, NoiseClass, Number, Ok, Option,
+        PhantomData, PlainSum, Plan, Reals, Result, SVector, Scalar, Scheme, Sized,
+        Solution, Solver, StateSum, StepFailure, Straight, StraightLine, bool, f64, str,
+        usize, compose::General,
         elements::{
-            Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums,
+            ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
+            Quadrature, QuadraturePoint, Sums,
         },
         embedding::{Corrected, DeltaPlus},
         gauss::Fixed,
@@ -70,7 +72,12 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("sigma", self.sigma)].get(index).copied()
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let sigma = at.parameter(0, self.sigma);
             match part {
                 0 => {
@@ -94,14 +101,14 @@ const _: () = {
             }
         }
         type Exact = f64;
-        type Usual = f64;
+        type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -148,17 +155,17 @@ const _: () = {
     impl StraightLine<Corrected<DeltaPlus>, 1, 1> for Multiplicative {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 1, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0), (2, 0.5)])],
+            &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0), (2, 0.5)])],
             MomentumUpdate::Multiple(1.0),
         );
         type Prepared = Reals<2>;
         type Memory<S: Scalar> = PhantomData<S>;
-        type Carry<S: Scalar> = Plain;
+        type Sum<S: Scalar> = PlainSum;
         fn prepare<K: Constant>(
             &self,
-            lift: Lift<'_, K>,
+            lift: LiftParameter<'_, K>,
             h: K,
-        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+        ) -> Result<ConstantsIn<Self::Prepared, K>, ConfigError> {
             let sigma = lift(0, self.sigma);
             if sigma.magnitude().is_nan() {
                 return Err(ConfigError::Parameter);
@@ -166,8 +173,8 @@ const _: () = {
             Ok([sigma, sigma * 0.5])
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Of<Self::Prepared, K>,
+        fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
+            prepared: &ConstantsIn<Self::Prepared, K>,
             t: K,
             h: K,
             coordinates: [S; 1],

@@ -67,11 +67,12 @@ pub struct Perturbed {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Constant, Discretized, Facts, Kind, Knowledge, Lift, Number, Of,
-        Option, Over, Reals, SVector, Scalar, Scheme, Sized, Some, bool, f64, str, usize,
-        compose::{Form, Nystrom, Parted, WholeOf},
+        self as wzvi, ComputesWith, Constant, ConstantsIn, Discretized, Facts, Kind,
+        Knowledge, LiftParameter, Number, Option, Reals, SVector, Scalar, Scheme, Sized,
+        Some, bool, f64, str, usize, compose::{Form, Nystrom, Parted, WholeOf},
         elements::{
-            Alone, Elements, FieldAt, Given, PairColumns, Point, Slopes, Sums, Usual,
+            CommonRange, ElementInput, Elements, EvaluationPoint, FieldAt, FullRange,
+            PairColumns, Partials, Sums,
         },
         embedding::Verlet, gauss::{Field, Fixed},
     };
@@ -92,7 +93,12 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("omega", self.omega), ("epsilon", self.epsilon)].get(index).copied()
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let omega = at.parameter(0, self.omega);
             let epsilon = at.parameter(1, self.epsilon);
             let t = at.t;
@@ -119,15 +125,15 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = Alone;
-        type Usual = Usual;
+        type Exact = FullRange;
+        type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -181,7 +187,10 @@ const _: () = {
         const FORCE_READS_TIME: bool = true;
         type Noises = Fixed<0>;
         type Parameters = Reals<2>;
-        fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K> {
+        fn parameters<K: Constant>(
+            &self,
+            lift: LiftParameter<'_, K>,
+        ) -> ConstantsIn<Self::Parameters, K> {
             [lift(0, self.omega), lift(1, self.epsilon)]
         }
         const IS_STIFF: bool = true;
@@ -190,9 +199,14 @@ const _: () = {
             k[0] = omega * omega;
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn step_slopes<K: Constant, S: Over<K>, const BY_Q: bool, const BY_P: bool>(
+        fn step_gradient<
+            K: Constant,
+            S: ComputesWith<K>,
+            const BY_Q: bool,
+            const BY_P: bool,
+        >(
             &self,
-            parameters: &Of<Self::Parameters, K>,
+            parameters: &ConstantsIn<Self::Parameters, K>,
             ([t, h], [coordinates, momenta], increments): FieldAt<'_, S>,
             [by_q,
             by_p,

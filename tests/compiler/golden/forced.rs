@@ -47,14 +47,14 @@ pub struct Driven {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, Compensation, ConfigError, Constant, Discretized,
-        Err, Extrapolation, Facts, Inputs, Kind, Knowledge, Lift, None, Number, Of, Ok,
-        Option, Over, Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution,
-        Solver, Some, StepFailure, Straight, StraightLine, bool, f64, str, usize,
-        bath::Friction, compose::General,
+        self as wzvi, Block, ComputesWith, ConfigError, Constant, ConstantsIn,
+        Discretized, Err, Extrapolation, Facts, FixedCompensatedSum, Inputs, Kind,
+        Knowledge, LiftParameter, None, Number, Ok, Option, Plan, Reals, Result, SVector,
+        Scalar, Scheme, Sized, Solution, Solver, Some, StateSum, StepFailure, Straight,
+        StraightLine, bool, f64, str, usize, bath::Friction, compose::General,
         elements::{
-            Alone, Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage,
-            Sums, Usual,
+            CommonRange, ElementInput, Elements, EvaluationPoint, FullRange,
+            MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -84,7 +84,12 @@ const _: () = {
         fn validate(&self) -> Result<(), ConfigError> {
             wzvi::bath::validate(self)
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let scale = at.scale;
             match part {
                 0 => {
@@ -99,15 +104,15 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = Alone;
-        type Usual = Usual;
+        type Exact = FullRange;
+        type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -155,7 +160,7 @@ const _: () = {
     struct Equations;
     impl Block<2, 0, 4, 0, 1> for Equations {
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn equations<S: Over<K>, K: Constant>(
+        fn equations<S: ComputesWith<K>, K: Constant>(
             (
                 [q,
                 p,
@@ -183,17 +188,17 @@ const _: () = {
     impl StraightLine<Midpoint, 1, 0> for Driven {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Newton, 1, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (3, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0), (3, 1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = Reals<9>;
         type Memory<S: Scalar> = Extrapolation<S, 1>;
-        type Carry<S: Scalar> = Compensation<S, 1>;
+        type Sum<S: Scalar> = FixedCompensatedSum<S, 1>;
         fn prepare<K: Constant>(
             &self,
-            lift: Lift<'_, K>,
+            lift: LiftParameter<'_, K>,
             h: K,
-        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+        ) -> Result<ConstantsIn<Self::Prepared, K>, ConfigError> {
             let push = lift(0, self.push);
             let gamma = lift(1, self.gamma);
             if push.magnitude().is_nan() || gamma.magnitude().is_nan() {
@@ -214,8 +219,8 @@ const _: () = {
             ])
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Of<Self::Prepared, K>,
+        fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
+            prepared: &ConstantsIn<Self::Prepared, K>,
             t: K,
             h: K,
             coordinates: [S; 1],

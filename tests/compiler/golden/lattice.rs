@@ -52,15 +52,16 @@ const _: () = {
         Ord, Scalar, Scheme, Sized, Some, Variables, f64, isize, str, usize,
         compose::General,
         elements::{
-            Alone, Elements, Given, InLoops, LEAST_IN_WINDOWS, Loops, MomentumUpdate,
-            Point, Quadrature, Run, Slopes, Stage, Sums, Unknowns, Usual,
+            AdjacentSums, CommonRange, ElementInput, Elements, EvaluationPoint,
+            FullRange, InLoops, LEAST_IN_TILES, Loops, MomentumUpdate, Partials,
+            Quadrature, QuadraturePoint, Sums, Unknowns,
         },
         embedding::DeltaPlus, gauss::Dynamic,
     };
     #[automatically_derived]
     impl<const N: usize> Elements for Lattice<{ N }> {
         const FACTS: Facts = Facts {
-            has_windows: (N) * 2 >= LEAST_IN_WINDOWS,
+            has_tiles: (N) * 2 >= LEAST_IN_TILES,
             has_one_velocity: true,
             ..Facts::autonomous((N) * 2)
         };
@@ -84,7 +85,12 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("k", self.k)].get(index).copied()
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let k = at.parameter(0, self.k);
             match part {
                 0 => {
@@ -144,19 +150,19 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = Alone;
-        type Usual = Usual;
+        type Exact = FullRange;
+        type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
+            use AdjacentSums as _;
             let k = at.parameter(0, self.k);
             match part {
                 0 => {
@@ -205,7 +211,7 @@ const _: () = {
                                 );
                             let until = skipped + taken;
                             let mut len: usize = 256;
-                            len = wzvi::elements::apart(
+                            len = wzvi::elements::disjoint_placements(
                                 len,
                                 (2 * ((i1 + 1) % (N as isize))) as usize / 2,
                                 (2 * i1) as usize / 2,
@@ -277,7 +283,7 @@ const _: () = {
             quadrature: Quadrature {
                 unknowns: Unknowns::None,
                 ..Quadrature::new(
-                    &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                    &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
                     MomentumUpdate::Multiple(1.0),
                 )
             },

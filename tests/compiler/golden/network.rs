@@ -50,8 +50,9 @@ const _: () = {
         Ord, Range, Scalar, Scheme, Sized, Some, f64, i128, isize, str, usize,
         compose::General,
         elements::{
-            Alone, Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Placements,
-            Point, Quadrature, Run, Slopes, Stage, Sums, Unknowns, Usual,
+            AdjacentSums, CommonRange, ElementInput, Elements, EvaluationPoint,
+            FullRange, InLoops, Loops, MomentumUpdate, Pair, Partials, Placements,
+            Quadrature, QuadraturePoint, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -61,7 +62,10 @@ const _: () = {
     #[automatically_derived]
     impl Elements for Network {
         const FACTS: Facts = Facts {
-            gathers: Slopes { by_q: true, by_p: false },
+            gathers: Partials {
+                by_q: true,
+                by_p: false,
+            },
             has_one_velocity: true,
             ..Facts::autonomous(usize::MAX)
         };
@@ -173,7 +177,12 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let size = at.degrees() as isize;
             match part {
                 0 => {
@@ -217,19 +226,19 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = Alone;
-        type Usual = Usual;
+        type Exact = FullRange;
+        type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
+            use AdjacentSums as _;
             let size = at.degrees() as isize;
             match part {
                 0 => {
@@ -249,7 +258,7 @@ const _: () = {
                         struct Interaction;
                         impl Pair<1, 0, 3, 2> for Interaction {
                             #[cfg_attr(not(debug_assertions), inline(always))]
-                            fn slopes<T: Scalar>(
+                            fn gradient<T: Scalar>(
                                 [factor,
                                 ]: [T; 1],
                                 []: [T; 0],
@@ -266,7 +275,7 @@ const _: () = {
                         let mut block = Placements::<
                             S,
                             T,
-                            S::OfElements<Self::Usual>,
+                            S::OfElements<Self::CommonRange>,
                             3,
                             2,
                         >::new();
@@ -306,7 +315,7 @@ const _: () = {
                                     block.take::<Interaction, 1>(few, [factor]);
                                     for lane in 0..few {
                                         let place = first + lane;
-                                        let [slope0, slope1] = block.slopes(lane);
+                                        let [slope0, slope1] = block.gradient(lane);
                                         by_q.add(list1[lane][0] as usize, slope0);
                                         by_q.add(list1[lane][1] as usize, slope1);
                                     }
@@ -356,7 +365,7 @@ const _: () = {
             quadrature: Quadrature {
                 unknowns: Unknowns::None,
                 ..Quadrature::new(
-                    &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                    &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
                     MomentumUpdate::Multiple(1.0),
                 )
             },

@@ -44,12 +44,14 @@ pub struct HenonHeiles;
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Discretized,
-        Extrapolation, Facts, Inputs, Labels, Lift, Number, Of, Ok, Over, Plain, Plan,
-        Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver, StepFailure,
-        Straight, StraightLine, Variables, bool, f64, str, usize, compose::General,
+        self as wzvi, Block, ComputesWith, ConfigError, Conservative, Constant,
+        ConstantsIn, Discretized, Extrapolation, Facts, Inputs, Labels, LiftParameter,
+        Number, Ok, PlainSum, Plan, Reals, Result, SVector, Scalar, Scheme, Sized,
+        Solution, Solver, StateSum, StepFailure, Straight, StraightLine, Variables, bool,
+        f64, str, usize, compose::General,
         elements::{
-            Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums,
+            ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
+            Quadrature, QuadraturePoint, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -67,7 +69,12 @@ const _: () = {
                 invariants: &[],
             }
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             match part {
                 0 => {
                     let x = at.q[0];
@@ -84,14 +91,14 @@ const _: () = {
             }
         }
         type Exact = f64;
-        type Usual = f64;
+        type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -120,7 +127,7 @@ const _: () = {
     struct Equations;
     impl Block<4, 0, 3, 0, 2> for Equations {
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn equations<S: Over<K>, K: Constant>(
+        fn equations<S: ComputesWith<K>, K: Constant>(
             (
                 [x,
                 y,
@@ -159,23 +166,23 @@ const _: () = {
     impl StraightLine<Midpoint, 2, 0> for HenonHeiles {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Newton, 2, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = Reals<3>;
         type Memory<S: Scalar> = Extrapolation<S, 2>;
-        type Carry<S: Scalar> = Plain;
+        type Sum<S: Scalar> = PlainSum;
         fn prepare<K: Constant>(
             &self,
-            lift: Lift<'_, K>,
+            lift: LiftParameter<'_, K>,
             h: K,
-        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+        ) -> Result<ConstantsIn<Self::Prepared, K>, ConfigError> {
             let h_squared = h * h;
             Ok([h * 0.5, h_squared * 0.25, h_squared * 0.5])
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Of<Self::Prepared, K>,
+        fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
+            prepared: &ConstantsIn<Self::Prepared, K>,
             t: K,
             h: K,
             coordinates: [S; 2],

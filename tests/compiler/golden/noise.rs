@@ -77,12 +77,14 @@ pub struct Kubo {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Constant, Discretized, Effort, Err, Facts,
-        Lift, NoiseClass, Number, Of, Ok, Option, Over, PhantomData, Plain, Plan, Reals,
-        Result, SVector, Scalar, Scheme, Sized, Solution, Solver, StepFailure, Straight,
-        StraightLine, bool, f64, str, usize, compose::General,
+        self as wzvi, ComputesWith, ConfigError, Constant, ConstantsIn, Discretized,
+        Effort, Err, Facts, LiftParameter, NoiseClass, Number, Ok, Option, PhantomData,
+        PlainSum, Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver,
+        StateSum, StepFailure, Straight, StraightLine, bool, f64, str, usize,
+        compose::General,
         elements::{
-            Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums,
+            ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
+            Quadrature, QuadraturePoint, Sums,
         },
         embedding::{DeltaPlus, Midpoint, Uncorrected},
         gauss::Fixed,
@@ -106,7 +108,12 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("a", self.a), ("sigma", self.sigma)].get(index).copied()
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let a = at.parameter(0, self.a);
             let sigma = at.parameter(1, self.sigma);
             match part {
@@ -131,14 +138,14 @@ const _: () = {
             }
         }
         type Exact = f64;
-        type Usual = f64;
+        type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -181,17 +188,17 @@ const _: () = {
     impl StraightLine<Midpoint, 1, 1> for Kubo {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = Reals<2>;
         type Memory<S: Scalar> = PhantomData<S>;
-        type Carry<S: Scalar> = Plain;
+        type Sum<S: Scalar> = PlainSum;
         fn prepare<K: Constant>(
             &self,
-            lift: Lift<'_, K>,
+            lift: LiftParameter<'_, K>,
             h: K,
-        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+        ) -> Result<ConstantsIn<Self::Prepared, K>, ConfigError> {
             let a = lift(0, self.a);
             let sigma = lift(1, self.sigma);
             if a.magnitude().is_nan() || sigma.magnitude().is_nan() {
@@ -200,8 +207,8 @@ const _: () = {
             Ok([sigma, h * a])
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Of<Self::Prepared, K>,
+        fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
+            prepared: &ConstantsIn<Self::Prepared, K>,
             t: K,
             h: K,
             coordinates: [S; 1],
@@ -238,17 +245,17 @@ const _: () = {
     impl StraightLine<Uncorrected<DeltaPlus>, 1, 1> for Kubo {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Explicit, 0, 1, false);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0)])],
+            &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0)])],
             MomentumUpdate::Multiple(1.0),
         );
         type Prepared = Reals<2>;
         type Memory<S: Scalar> = PhantomData<S>;
-        type Carry<S: Scalar> = Plain;
+        type Sum<S: Scalar> = PlainSum;
         fn prepare<K: Constant>(
             &self,
-            lift: Lift<'_, K>,
+            lift: LiftParameter<'_, K>,
             h: K,
-        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+        ) -> Result<ConstantsIn<Self::Prepared, K>, ConfigError> {
             let a = lift(0, self.a);
             let sigma = lift(1, self.sigma);
             if a.magnitude().is_nan() || sigma.magnitude().is_nan() {
@@ -257,8 +264,8 @@ const _: () = {
             Ok([sigma, h * a])
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Of<Self::Prepared, K>,
+        fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
+            prepared: &ConstantsIn<Self::Prepared, K>,
             t: K,
             h: K,
             coordinates: [S; 1],

@@ -54,8 +54,8 @@ const _: () = {
         Option, Ord, Range, Scalar, Scheme, Sized, Some, bool, f64, i128, isize, str,
         usize, compose::General,
         elements::{
-            By, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Quadrature, Run,
-            Slopes, Stage, Sums,
+            AdjacentSums, ElementInput, Elements, EvaluationPoint, HessianBlock, InLoops,
+            Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         embedding::Midpoint, gauss::Dynamic,
@@ -65,7 +65,7 @@ const _: () = {
         const FACTS: Facts = Facts {
             noise: NoiseClass::Additive,
             conserves_energy: Knowledge::Refuted,
-            has_windows: true,
+            has_tiles: true,
             has_one_velocity: true,
             has_constant_curvature: true,
             coupled_degrees: Some(1),
@@ -106,7 +106,12 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let sigma = at.parameter(0, self.sigma);
             let size = at.degrees() as isize;
             match part {
@@ -146,18 +151,18 @@ const _: () = {
             }
         }
         type Exact = f64;
-        type Usual = f64;
+        type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
+            use AdjacentSums as _;
             let sigma = at.parameter(0, self.sigma);
             let size = at.degrees() as isize;
             match part {
@@ -214,13 +219,13 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<S: Scalar>(
+        fn hessian<S: Scalar>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S>,
-            partials: Slopes,
-            into: &mut impl FnMut(By, [usize; 2], bool, S),
+            at: &EvaluationPoint<'_, S>,
+            partials: Partials,
+            into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
         ) {
             let size = at.degrees() as isize;
             match part {
@@ -230,7 +235,12 @@ const _: () = {
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
                                 let i0 = i0 + place as isize;
-                                into(By::QQ, [i0 as usize, i0 as usize], true, factor);
+                                into(
+                                    HessianBlock::QQ,
+                                    [i0 as usize, i0 as usize],
+                                    true,
+                                    factor,
+                                );
                             }
                         }
                     }
@@ -239,7 +249,12 @@ const _: () = {
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
                                 let i0 = i0 + place as isize;
-                                into(By::PP, [i0 as usize, i0 as usize], true, factor);
+                                into(
+                                    HessianBlock::PP,
+                                    [i0 as usize, i0 as usize],
+                                    true,
+                                    factor,
+                                );
                             }
                         }
                     }
@@ -259,7 +274,7 @@ const _: () = {
             quadrature: Quadrature {
                 is_linear: true,
                 ..Quadrature::new(
-                    &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
+                    &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
                     MomentumUpdate::Multiple(2.0),
                 )
             },

@@ -49,13 +49,14 @@ pub struct Oscillators {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Conservative, Constant, Discretized, Effort,
-        Err, Factored, Facts, Labels, Lift, Number, Of, Ok, Option, Over, PhantomData,
-        Plain, Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver,
-        StepFailure, Straight, StraightLine, Variables, bool, f64, str, usize,
-        compose::General,
+        self as wzvi, ComputesWith, ConfigError, Conservative, Constant, ConstantsIn,
+        Discretized, Effort, Err, Factored, Facts, Labels, LiftParameter, Number, Ok,
+        Option, PhantomData, PlainSum, Plan, Reals, Result, SVector, Scalar, Scheme,
+        Sized, Solution, Solver, StateSum, StepFailure, Straight, StraightLine,
+        Variables, bool, f64, str, usize, compose::General,
         elements::{
-            Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums,
+            ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
+            Quadrature, QuadraturePoint, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -78,7 +79,12 @@ const _: () = {
                 .get(index)
                 .copied()
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let m = at.parameter(0, self.m);
             let n = at.parameter(1, self.n);
             let k = at.parameter(2, self.k);
@@ -102,14 +108,14 @@ const _: () = {
             }
         }
         type Exact = f64;
-        type Usual = f64;
+        type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -146,17 +152,17 @@ const _: () = {
     impl StraightLine<Midpoint, 2, 0> for Oscillators {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 2, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = (Reals<7>, Factored<2>);
         type Memory<S: Scalar> = PhantomData<S>;
-        type Carry<S: Scalar> = Plain;
+        type Sum<S: Scalar> = PlainSum;
         fn prepare<K: Constant>(
             &self,
-            lift: Lift<'_, K>,
+            lift: LiftParameter<'_, K>,
             h: K,
-        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+        ) -> Result<ConstantsIn<Self::Prepared, K>, ConfigError> {
             let m = lift(0, self.m);
             let n = lift(1, self.n);
             let k = lift(2, self.k);
@@ -180,8 +186,8 @@ const _: () = {
             Ok(([k, c, half_h, half_h / n, half_h / m, h / m, h / n], factor))
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Of<Self::Prepared, K>,
+        fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
+            prepared: &ConstantsIn<Self::Prepared, K>,
             t: K,
             h: K,
             coordinates: [S; 2],
@@ -205,7 +211,7 @@ const _: () = {
             ) = *prepared;
             let sum = y + py * quotient;
             let sum2 = x + px * quotient2;
-            let [delta_px, delta_py] = <S as Over<
+            let [delta_px, delta_py] = <S as ComputesWith<
                 K,
             >>::solve_factored(
                 factor,

@@ -41,13 +41,14 @@ pub struct Pendulum {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Discretized,
-        Err, Extrapolation, Facts, Inputs, Lift, Number, Of, Ok, Option, Over, Plain,
-        Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver,
-        StepFailure, Straight, StraightLine, bool, f64, str, usize, compose::General,
+        self as wzvi, Block, ComputesWith, ConfigError, Conservative, Constant,
+        ConstantsIn, Discretized, Err, Extrapolation, Facts, Inputs, LiftParameter,
+        Number, Ok, Option, PlainSum, Plan, Reals, Result, SVector, Scalar, Scheme,
+        Sized, Solution, Solver, StateSum, StepFailure, Straight, StraightLine, bool,
+        f64, str, usize, compose::General,
         elements::{
-            Alone, Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage,
-            Sums, Usual,
+            CommonRange, ElementInput, Elements, EvaluationPoint, FullRange,
+            MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -60,7 +61,12 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("omega", self.omega)].get(index).copied()
         }
-        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &EvaluationPoint<'_, S>,
+        ) -> S {
             let omega = at.parameter(0, self.omega);
             match part {
                 0 => {
@@ -72,15 +78,15 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = Alone;
-        type Usual = Usual;
+        type Exact = FullRange;
+        type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            partials: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -107,7 +113,7 @@ const _: () = {
     struct Equations;
     impl Block<2, 0, 3, 0, 1> for Equations {
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn equations<S: Over<K>, K: Constant>(
+        fn equations<S: ComputesWith<K>, K: Constant>(
             ([q, p], [], [half_h, product, product2], []): Inputs<S, K, 2, 0, 3, 0>,
             [delta_p,
             ]: [S; 1],
@@ -121,17 +127,17 @@ const _: () = {
     impl StraightLine<Midpoint, 1, 0> for Pendulum {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Newton, 1, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = Reals<3>;
         type Memory<S: Scalar> = Extrapolation<S, 1>;
-        type Carry<S: Scalar> = Plain;
+        type Sum<S: Scalar> = PlainSum;
         fn prepare<K: Constant>(
             &self,
-            lift: Lift<'_, K>,
+            lift: LiftParameter<'_, K>,
             h: K,
-        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+        ) -> Result<ConstantsIn<Self::Prepared, K>, ConfigError> {
             let omega = lift(0, self.omega);
             if omega.magnitude().is_nan() {
                 return Err(ConfigError::Parameter);
@@ -140,8 +146,8 @@ const _: () = {
             Ok([h * 0.5, omega_squared * 0.5 * h, h * h * (omega_squared * 0.25)])
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Of<Self::Prepared, K>,
+        fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
+            prepared: &ConstantsIn<Self::Prepared, K>,
             t: K,
             h: K,
             coordinates: [S; 1],

@@ -11,8 +11,8 @@ pub(crate) use fixtures::extremes::state;
 pub(crate) use fixtures::schemes::Scheme as Point;
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
-use wzvi::system::{At, Discretized, Scheme, SchemeOf};
-use wzvi_runtime::algebra::carry::Carry;
+use wzvi::system::{Discretized, Scheme, SchemeOf, StepArguments};
+use wzvi_runtime::algebra::state_sum::StateSum;
 
 use super::real::{Real, error_in_ulps, with_precision};
 
@@ -62,9 +62,9 @@ pub(crate) fn compare<E: Point, H: Discretized<E> + Terms>(
 ) -> Result<Errors, StepFailure> {
     let prepared = system.prepare(case.h).map_err(|_| StepFailure::NonFinite)?;
     let (mut q, mut p) = (case.q.clone(), case.p.clone());
-    let mut carry = <SchemeOf<H, E> as Scheme<H>>::Compensated::<f64>::default();
+    let mut carry = <SchemeOf<H, E> as Scheme<H>>::CompensatedSum::<f64>::default();
     let mut memory = Default::default();
-    let at = At { t: 0.0, h: case.h, q: &mut q[..], p: &mut p[..], dw: &case.dw };
+    let at = StepArguments { t: 0.0, h: case.h, q: &mut q[..], p: &mut p[..], dw: &case.dw };
     SchemeOf::<H, E>::advance::<f64, f64, _, true>(system, &prepared, at, &mut memory, &mut carry)?;
     Ok(with_precision(BITS, || {
         let d = q.len();

@@ -54,7 +54,7 @@ fn thermostat(embedding: &Embedding) -> TokenStream {
     let word = match embedding {
         Embedding::Thermostat(inner) => {
             let inner = inner.path(&wzvi);
-            return quote!(__wzvi::bath::Around<__wzvi::bath::Isolated<#inner>>);
+            return quote!(__wzvi::bath::ThermostatSteps<__wzvi::bath::Isolated<#inner>>);
         }
         Embedding::Splitting(word) => word.types(&wzvi),
         word => word.path(&wzvi),

@@ -70,8 +70,8 @@ fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenSt
 
             fn parameters<__K: __wzvi::Constant>(
                 &self,
-                __lift: __wzvi::Lift<'_, __K>,
-            ) -> __wzvi::Of<Self::Parameters, __K> {
+                __lift: __wzvi::LiftParameter<'_, __K>,
+            ) -> __wzvi::ConstantsIn<Self::Parameters, __K> {
                 #lifted
             }
 
@@ -108,9 +108,9 @@ fn gradient(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Re
             #stiffness
 
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn step_slopes<__K: __wzvi::Constant, __S: __wzvi::Over<__K>, const __BY_Q: #bool, const __BY_P: #bool>(
+            fn step_gradient<__K: __wzvi::Constant, __S: __wzvi::ComputesWith<__K>, const __BY_Q: #bool, const __BY_P: #bool>(
                 &self,
-                __parameters: &__wzvi::Of<Self::Parameters, __K>,
+                __parameters: &__wzvi::ConstantsIn<Self::Parameters, __K>,
                 ([__t, __h], [__coordinates, __momenta], __increments): __wzvi::elements::FieldAt<'_, __S>,
                 [__by_q, __by_p]: [&mut [__S]; 2],
                 _: &mut __wzvi::elements::PairColumns,

@@ -248,7 +248,7 @@ impl<'p> Printer<'p> {
         match (self.rank(op), rank) {
             (own, wanted) if own == wanted => value,
             (Rank::Number, Rank::Constant) => quote!(<#constant as __wzvi::Scalar>::from_f64(#value)),
-            (Rank::Constant, _) => quote!(<#scalar as __wzvi::Over<#constant>>::constant(#value)),
+            (Rank::Constant, _) => quote!(<#scalar as __wzvi::ComputesWith<#constant>>::constant(#value)),
             _ => quote!(#scalar::from_f64(#value)),
         }
     }
@@ -392,7 +392,7 @@ impl<'p> Printer<'p> {
                 // The condition is the same for all steps: only one branch is computed.
                 let (ty, value, constant) = (self.ty(self.rank(op)), self.value(condition), &self.constant);
                 let choice =
-                    quote!(<#ty as __wzvi::Over<#constant>>::choose(#value, || #then, || #otherwise));
+                    quote!(<#ty as __wzvi::ComputesWith<#constant>>::choose(#value, || #then, || #otherwise));
                 return (choice, Precedence::Atom);
             }
             let value = if is_mask { self.value(condition) } else { self.truth(condition, self.rank(op)) };
@@ -408,7 +408,7 @@ impl<'p> Printer<'p> {
         let (value, ty, constant) = (self.atom(op), self.ty(rank), &self.constant);
         match self.rank(op) {
             own if own == rank => value,
-            Rank::Constant => quote!(<#ty as __wzvi::Over<#constant>>::truth(#value)),
+            Rank::Constant => quote!(<#ty as __wzvi::ComputesWith<#constant>>::truth(#value)),
             _ => quote!(<<#ty as __wzvi::Scalar>::Mask as __wzvi::Mask>::from_bool(#value)),
         }
     }

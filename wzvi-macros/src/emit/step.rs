@@ -51,8 +51,8 @@ pub(crate) fn emit(
     let (prepared_type, prepare) = (prepared.ty(), &prepared.method);
     let memory = memory::memory_type(&step_program.newton_sizes());
     let carry = match step_program.affords_compensation() {
-        true => quote!(__wzvi::Compensation<__S, #d>),
-        false => quote!(__wzvi::Plain),
+        true => quote!(__wzvi::FixedCompensatedSum<__S, #d>),
+        false => quote!(__wzvi::PlainSum),
     };
     // For a step in loops, at most the momentum between two ends.
     let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
@@ -64,7 +64,7 @@ pub(crate) fn emit(
             const QUADRATURE: __wzvi::elements::Quadrature = #quadrature;
             type Prepared = #prepared_type;
             type Memory<__S: __wzvi::Scalar> = #memory;
-            type Carry<__S: __wzvi::Scalar> = #carry;
+            type Sum<__S: __wzvi::Scalar> = #carry;
             #prepare
             #solve
     };

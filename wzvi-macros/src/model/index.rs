@@ -400,8 +400,8 @@ impl Bounds<'_> {
         bounds.chain(is_natural.then(Index::default)).collect()
     }
 
-    /// The place where `index` leaves `0..length`, at the first or last turns of the loops; `None` if no such place is
-    /// certain to be reached. A size that is no literal is taken to exceed the literals beside it.
+    /// The place where `index` leaves `0..length`, at the first or last turns of the loops; `None` if no such
+    /// place is certain to be reached. A size that is no literal is taken to exceed the literals beside it.
     pub(crate) fn outlier(&self, index: &Index, length: Option<&Index>) -> Option<Outlier> {
         self.outlier_at(0, index, length, &mut Vec::new(), &Cell::new(PROOF_STEPS))
     }

@@ -250,7 +250,7 @@ impl<const L: usize> Scalar for Lanes<L> {
         value
     }
     const LANES: usize = L;
-    const IS_BESIDE: bool = true;
+    const LANES_ARE_PATHS: bool = true;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {

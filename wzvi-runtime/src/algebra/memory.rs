@@ -56,7 +56,7 @@ impl AddAssign for LinearWork {
 
 /// A request to a memory.
 #[derive(Clone, Debug)]
-pub enum Request {
+pub enum MemoryRequest {
     /// Forget the steps before, and keep what was allocated.
     Forget,
     /// Keep only the last step, to take the same step again with a slightly larger size: it starts where that
@@ -73,8 +73,8 @@ pub enum Request {
 
 /// How steps are solved.
 #[derive(Clone, Copy, Debug)]
-pub struct Report {
-    /// The iteration that was [asked for](Request::Pin).
+pub struct SolverReport {
+    /// The iteration that was [asked for](MemoryRequest::Pin).
     pub pinned: Iteration,
     /// How linear equations are solved, where a system of any size has some.
     pub method: Option<Method>,
@@ -82,14 +82,14 @@ pub struct Report {
     pub linear_work: LinearWork,
 }
 
-impl Default for Report {
+impl Default for SolverReport {
     fn default() -> Self {
         let (pinned, linear_work) = (Iteration::Automatic, LinearWork::default());
         Self { pinned, method: None, linear_work }
     }
 }
 
-impl Report {
+impl SolverReport {
     /// The report of both: what the first says, or else the second, with the work of both.
     pub(crate) fn and(self, Self { pinned, method, linear_work, .. }: Self) -> Self {
         let mut both = Self { method: self.method.or(method), ..self };
@@ -103,14 +103,14 @@ impl Report {
 pub trait StepMemory: Clone + Debug + Default + Numbers {
     /// Carries out a request, as far as it concerns this memory.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn tell(&mut self, request: &Request) {
-        if let Request::Forget = request {
+    fn tell(&mut self, request: &MemoryRequest) {
+        if let MemoryRequest::Forget = request {
             *self = Self::default();
         }
     }
 
     /// Whether the next step may run in lanes.
-    fn goes_side_by_side(&self) -> bool {
+    fn allows_lanes(&self) -> bool {
         true
     }
 
@@ -131,8 +131,8 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
     }
 
     /// How steps are solved.
-    fn report(&self) -> Report {
-        Report::default()
+    fn report(&self) -> SolverReport {
+        SolverReport::default()
     }
 
     /// The cost of linear equations.
@@ -146,12 +146,12 @@ impl<S> StepMemory for PhantomData<S> {}
 
 /// One memory for each part of a step.
 impl<M: StepMemory> StepMemory for Vec<M> {
-    fn tell(&mut self, request: &Request) {
+    fn tell(&mut self, request: &MemoryRequest) {
         self.iter_mut().for_each(|memory| memory.tell(request));
     }
 
-    fn goes_side_by_side(&self) -> bool {
-        self.iter().all(M::goes_side_by_side)
+    fn allows_lanes(&self) -> bool {
+        self.iter().all(M::allows_lanes)
     }
 
     /// Memory by memory; as many as there are in `left` where none was in use yet.
@@ -164,11 +164,11 @@ impl<M: StepMemory> StepMemory for Vec<M> {
     }
 
     /// The report of the first part, with the work of all.
-    fn report(&self) -> Report {
+    fn report(&self) -> SolverReport {
         let mut linear_work = LinearWork::default();
         self.iter().for_each(|memory| linear_work += memory.linear_work());
-        let first = self.first().map_or_else(Report::default, M::report);
-        Report { linear_work, ..first }
+        let first = self.first().map_or_else(SolverReport::default, M::report);
+        SolverReport { linear_work, ..first }
     }
 }
 
@@ -176,13 +176,13 @@ impl<M: StepMemory> StepMemory for Vec<M> {
 macro_rules! of_parts {
     (($($part:tt)*) $($result:ident)*) => {
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn tell(&mut self, request: &$crate::algebra::memory::Request) {
+        fn tell(&mut self, request: &$crate::algebra::memory::MemoryRequest) {
             let _ = request;
             $(self.$part.tell(request);)*
         }
 
-        fn goes_side_by_side(&self) -> bool {
-            true $(&& self.$part.goes_side_by_side())*
+        fn allows_lanes(&self) -> bool {
+            true $(&& self.$part.allows_lanes())*
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
@@ -200,10 +200,10 @@ macro_rules! of_parts {
         }
 
         /// The first that says something, with the work of all.
-        fn report(&self) -> $crate::algebra::memory::Report {
+        fn report(&self) -> $crate::algebra::memory::SolverReport {
             [$(self.$part.report()),*].into_iter().fold(
-                $crate::algebra::memory::Report::default(),
-                $crate::algebra::memory::Report::and,
+                $crate::algebra::memory::SolverReport::default(),
+                $crate::algebra::memory::SolverReport::and,
             )
         }
     };

@@ -11,7 +11,9 @@ mod special;
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-pub use constant::{Constant, Constants, Factored, Of, Over, Parameters, Reals, Truths, Varied};
+pub use constant::{
+    ComputesWith, Constant, Constants, ConstantsIn, Factored, Parameters, Reals, Truths, Varied,
+};
 pub use dual::Dual;
 pub use rounded::Rounded;
 pub use special::Special;
@@ -90,15 +92,15 @@ pub trait Scalar:
 
     /// False if the type cannot be `f64`: then nothing is compiled for lists of `f64`.
     #[doc(hidden)]
-    const MAY_BE_PLAIN: bool = size_of::<Self>() == size_of::<f64>();
+    const MAY_BE_F64: bool = size_of::<Self>() == size_of::<f64>();
     /// A list of such numbers, if they are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn plain(_list: &[Self]) -> Option<&[f64]> {
+    fn as_f64s(_list: &[Self]) -> Option<&[f64]> {
         None
     }
     /// A list of such numbers to be written, if they are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn plain_mut(_list: &mut [Self]) -> Option<&mut [f64]> {
+    fn as_f64s_mut(_list: &mut [Self]) -> Option<&mut [f64]> {
         None
     }
 
@@ -113,9 +115,9 @@ pub trait Scalar:
     /// Numbers that it holds side by side.
     const LANES: usize = 1;
     /// Whether the lanes are independent paths.
-    const IS_BESIDE: bool = false;
+    const LANES_ARE_PATHS: bool = false;
     /// Whether some of them take a step that others cannot: a [set](FailedLanes) says which.
-    const GOES_IN_PART: bool = Self::IS_BESIDE && 1 < Self::LANES && Self::LANES <= FailedLanes::MOST;
+    const MAY_FAIL_BY_LANE: bool = Self::LANES_ARE_PATHS && 1 < Self::LANES && Self::LANES <= FailedLanes::MOST;
 
     /// The number of one lane, without derivatives.
     fn lane(self, lane: usize) -> f64;
@@ -310,11 +312,11 @@ impl Scalar for f64 {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn plain(list: &[f64]) -> Option<&[f64]> {
+    fn as_f64s(list: &[f64]) -> Option<&[f64]> {
         Some(list)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn plain_mut(list: &mut [f64]) -> Option<&mut [f64]> {
+    fn as_f64s_mut(list: &mut [f64]) -> Option<&mut [f64]> {
         Some(list)
     }
 

@@ -9,13 +9,13 @@ use crate::algebra::scalar::Scalar;
 /// The type of the lists of a system.
 pub trait Shape: Debug + Clone + Copy + Default + 'static {
     /// A list.
-    type Of<T: Copy + Debug>: AsRef<[T]> + AsMut<[T]> + Clone + Debug;
+    type List<T: Copy + Debug>: AsRef<[T]> + AsMut<[T]> + Clone + Debug;
 
     /// Whether lists are arrays, whose length is known before there is a state.
     const IS_FIXED: bool;
 
     /// A list of `length` entries.
-    fn list<T: Copy + Debug>(length: usize, fill: T) -> Self::Of<T>;
+    fn list<T: Copy + Debug>(length: usize, fill: T) -> Self::List<T>;
 
     /// The lists of a step: `new` arrays, which stay in registers, or the vectors of `room`.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -25,7 +25,7 @@ pub trait Shape: Debug + Clone + Copy + Default + 'static {
 
     /// Replaces the numbers of a list by those of a vector of the same length, which may take the old ones in
     /// exchange. Only numbers that are `f64` come so.
-    fn exchange<S: Scalar>(list: &mut Self::Of<S>, new: &mut Vec<f64>);
+    fn exchange<S: Scalar>(list: &mut Self::List<S>, new: &mut Vec<f64>);
 
     /// Returns the lists to `room`.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -41,7 +41,7 @@ pub trait Shape: Debug + Clone + Copy + Default + 'static {
 pub struct Fixed<const D: usize>;
 
 impl<const D: usize> Shape for Fixed<D> {
-    type Of<T: Copy + Debug> = [T; D];
+    type List<T: Copy + Debug> = [T; D];
     const IS_FIXED: bool = true;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -50,7 +50,7 @@ impl<const D: usize> Shape for Fixed<D> {
     }
 
     fn exchange<S: Scalar>(list: &mut [S; D], new: &mut Vec<f64>) {
-        if let Some(list) = S::plain_mut(list) {
+        if let Some(list) = S::as_f64s_mut(list) {
             list.copy_from_slice(new);
         }
     }
@@ -61,7 +61,7 @@ impl<const D: usize> Shape for Fixed<D> {
 pub struct Dynamic;
 
 impl Shape for Dynamic {
-    type Of<T: Copy + Debug> = Vec<T>;
+    type List<T: Copy + Debug> = Vec<T>;
     const IS_FIXED: bool = false;
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -264,7 +264,7 @@ impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn store(list: &mut [Self], part: usize, room: &[S], stay: S::Mask) {
         for (all, own) in list.iter_mut().zip(room) {
-            all[part] = if S::IS_BESIDE { S::select(stay, all[part], *own) } else { *own };
+            all[part] = if S::LANES_ARE_PATHS { S::select(stay, all[part], *own) } else { *own };
         }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]

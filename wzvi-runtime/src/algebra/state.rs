@@ -5,7 +5,7 @@ use std::fmt::{self, Debug};
 use nalgebra::{DVector, SVector};
 
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-use crate::ground::digits::Brief;
+use crate::ground::digits::ShortestDecimal;
 
 /// A vector of coordinates: `nalgebra::SVector<f64, D>` or `nalgebra::DVector<f64>`.
 pub trait Vector: Clone + Debug + PartialEq + Send + Sync {
@@ -158,11 +158,11 @@ impl<V: Vector> fmt::Display for State<V> {
         for (name, vector) in [("q", &self.q), ("p", &self.p)] {
             write!(f, "{name}: [")?;
             for (i, x) in vector.components().iter().enumerate() {
-                write!(f, "{}{}", if i == 0 { "" } else { ", " }, Brief(*x))?;
+                write!(f, "{}{}", if i == 0 { "" } else { ", " }, ShortestDecimal(*x))?;
             }
             f.write_str("], ")?;
         }
-        write!(f, "t: {}", Brief(self.t))
+        write!(f, "t: {}", ShortestDecimal(self.t))
     }
 }
 

@@ -47,7 +47,7 @@ pub(crate) fn cores() -> usize {
 }
 
 /// Runs on the caller's thread and on `others` at one time. A panic goes on in the caller.
-pub(crate) fn together(others: usize, run: &(dyn Fn() + Sync)) {
+pub(crate) fn with_threads(others: usize, run: &(dyn Fn() + Sync)) {
     thread::scope(|scope| {
         // If the system refuses a thread, there is one fewer.
         let spawned: Vec<_> =
@@ -66,7 +66,7 @@ pub(crate) fn each<J: Send>(jobs: Vec<J>, work: impl Fn(J) + Sync) {
     let others = jobs.len().saturating_sub(1);
     let jobs = Mutex::new(jobs.into_iter());
     let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
-    together(others, &|| {
+    with_threads(others, &|| {
         while let Some(job) = next() {
             work(job);
         }

@@ -2,25 +2,25 @@
 
 use std::ops::{ControlFlow, Range};
 
-use super::control::{Control, Targets, unless_lost};
-use super::job::Job;
-use super::keeping;
+use super::control::{Control, ErrorTargets, unless_lost};
+use super::job::EnsembleJob;
+use super::run_identity;
 use crate::ground::numbers::Numbers as _;
 use crate::ground::progress::ProgressLine;
-use crate::path::Error;
-use crate::path::checkpoint::{Keeper, Keeping};
 use crate::scheme::system::Discretized;
-use crate::statistics::Origin;
+use crate::statistics::Provenance;
 use crate::statistics::{Statistics, StatisticsNode};
+use crate::trajectory::Error;
+use crate::trajectory::checkpoint::{CheckpointKeeper, CheckpointSetting};
 
 /// Errors are tested each time so many paths are done, for any size of chunks.
 const LOOK: u64 = 512;
 
 /// Takes the chunks of a run in the order of their numbers.
-pub(super) struct Account {
+pub(super) struct ChunkLedger {
     statistics: Statistics,
-    keeper: Keeper,
-    targets: Targets,
+    keeper: CheckpointKeeper,
+    targets: ErrorTargets,
     progress: ProgressLine,
     /// Paths of the run, at most, and of a chunk.
     limit: u64,
@@ -32,12 +32,12 @@ pub(super) struct Account {
     error: Option<Error>,
 }
 
-impl Account {
+impl ChunkLedger {
     /// With the chunks of the checkpoint, if there is one.
     pub(super) fn open<H, E>(
-        job: &Job<'_, H, E>,
+        job: &EnsembleJob<'_, H, E>,
         control: &Control,
-        keeping: Keeping,
+        keeping: CheckpointSetting,
         progress: ProgressLine,
     ) -> Result<Self, Error>
     where
@@ -46,16 +46,16 @@ impl Account {
         let targets = control.targets(job.empty.observables())?;
         let allowed_losses = control.allowed_losses()?;
         let mut statistics = job.empty.clone();
-        statistics.origin = Some(Origin::of(job));
+        statistics.origin = Some(Provenance::of(job));
         if let Some(paths) = &mut statistics.paths {
             paths.reserve(job.paths)?;
         }
-        let keeper = keeping::open(keeping, job, &mut statistics)?;
+        let keeper = run_identity::open(keeping, job, &mut statistics)?;
         let chunks = keeper.first()..job.chunks().end;
         let (limit, size) = (job.paths, job.chunk());
         let mut account =
             Self { statistics, keeper, targets, progress, limit, size, allowed_losses, chunks, error: None };
-        if account.look().0 {
+        if account.targets_reached().0 {
             account.chunks.end = account.chunks.start;
         }
         Ok(account)
@@ -67,13 +67,13 @@ impl Account {
     }
 
     /// Whether the paths so far are enough, and about how many that takes.
-    fn look(&self) -> (bool, u64) {
-        let (is_done, expected) = self.targets.look(&self.statistics, self.limit);
+    fn targets_reached(&self) -> (bool, u64) {
+        let (is_done, expected) = self.targets.errors_reached(&self.statistics, self.limit);
         (is_done && (self.chunks.start * self.size).is_multiple_of(LOOK), expected)
     }
 
     /// The next chunk, or why it has no result; breaks if that was the last one.
-    pub(super) fn take(&mut self, chunk: Result<Statistics, Error>) -> ControlFlow<()> {
+    pub(super) fn add_chunk(&mut self, chunk: Result<Statistics, Error>) -> ControlFlow<()> {
         match chunk.and_then(|chunk| Ok(self.statistics.merge(&chunk)?)) {
             Ok(()) => {}
             Err(Error::Stopped(_)) => {
@@ -86,7 +86,7 @@ impl Account {
             }
         }
         self.chunks.start += 1;
-        let (is_done, expected) = self.look();
+        let (is_done, expected) = self.targets_reached();
         self.progress.show(self.statistics.begun(), expected);
         let Self { keeper, statistics, chunks, .. } = self;
         if keeper.is_due(chunks.start) {

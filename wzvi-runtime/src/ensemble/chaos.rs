@@ -7,21 +7,21 @@ use std::path::Path;
 use linearised::{Linearised, NUMBER, WithDeviations, lifted, parts};
 
 use super::checks::number_of_paths;
-use super::starts::{ByPath, Drawn, OneSystem, check};
-use super::{Ensemble, Extras, Many, Setup};
+use super::starts::{ByPath, DrawPurpose, OneSystem, check};
+use super::{Ensemble, EnsembleSettings, EnsembleSetup, ExtraStatistics};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, wrong};
 use crate::ground::variables::Variables;
 use crate::increments::Noise;
-use crate::path::Error;
-use crate::path::chaos::{chosen, gali, sali};
-use crate::path::choice::SOME;
-use crate::path::span::{ONE_START, sized};
 use crate::saving::FileError;
 use crate::saving::file;
-use crate::saving::table::{Rows, Table};
+use crate::saving::table::{Table, TableRows};
 use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::statistics::PathFailure;
+use crate::trajectory::Error;
+use crate::trajectory::chaos::{chosen, gali, sali};
+use crate::trajectory::exclusive_setting::SOME;
+use crate::trajectory::span::{ONE_START, sized};
 
 const MEGNO: &str = "megno";
 
@@ -33,7 +33,7 @@ pub struct MapDeviations<'a, H: Hamiltonian, E, N> {
 }
 
 /// Indicators of chaos at the end of each path of an ensemble, in the order of the starts: those of
-/// [`Indicators`](crate::path::chaos::Indicators). Paths that failed have NaN.
+/// [`Indicators`](crate::trajectory::chaos::Indicators). Paths that failed have NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChaosMap<V> {
     /// Where the paths start.
@@ -62,8 +62,9 @@ where
     H: Discretized<E> + Sync,
     N: Noise,
 {
-    /// MEGNO, SALI, GALI_2 and FLI of each path ([`chaos`](crate::path::chaos)), by two deviations. Steps are
-    /// taken in dual numbers: in lanes where they are explicit or in straight-line code, else path by path.
+    /// MEGNO, SALI, GALI_2 and FLI of each path ([`chaos`](crate::trajectory::chaos)), by two deviations.
+    /// Steps are taken in dual numbers: in lanes where they are explicit or in straight-line code, else path
+    /// by path.
     ///
     /// ```ignore
     /// let map = henon_heiles.ensemble::<Verlet>(0.1).starts_from(grid).until(1000.0).indicators()?;
@@ -103,9 +104,9 @@ where
     pub fn indicators(self) -> Result<ChaosMap<H::Vector>, Error> {
         let Self { ensemble: Ensemble { setup, .. }, given } = self;
         refuse_unused(&setup)?;
-        let Setup { system, h, span, recorded, is_watched, execution, keeping, more, .. } = setup;
-        let Many { starts, paths, source, settings, control, .. } = more;
-        let seed = source.value().map_or(0, super::source::Source::seed);
+        let EnsembleSetup { system, h, span, recorded, is_watched, execution, keeping, more, .. } = setup;
+        let EnsembleSettings { starts, paths, source, settings, control, .. } = more;
+        let seed = source.value().map_or(0, super::source::NoiseSource::seed);
         let starts = starts.checked(ONE_START)?;
         let first = match &starts {
             Some(_) if span.start.value().is_some() => {
@@ -113,7 +114,7 @@ where
                     "`start(...)` and starts of the paths, `starts(...)` or `starts_from(...)`: leave one of them out",
                 );
             }
-            Some(starts) => starts.of(Drawn::Start, seed, 0),
+            Some(starts) => starts.of(DrawPurpose::Start, seed, 0),
             None => span.start.value().cloned(),
         };
         let first = first.ok_or(ConfigError::Missing(STARTS))?;
@@ -126,7 +127,7 @@ where
         let listed = starts.as_ref().and_then(ByPath::listed);
         let paths = number_of_paths(paths, [listed, None])?;
         let start_of = |path: u64| match &starts {
-            Some(starts) => starts.of(Drawn::Start, seed, path).ok_or(ConfigError::Missing(STARTS)),
+            Some(starts) => starts.of(DrawPurpose::Start, seed, path).ok_or(ConfigError::Missing(STARTS)),
             None => Ok(first.clone()),
         };
         let mut all = Vec::new();
@@ -138,7 +139,7 @@ where
 
         let system = Linearised { system, start: first.t, h };
         let mut ensemble = Ensemble::<_, WithDeviations<E>>::new(&system, h).marked::<N, OneSystem>();
-        let Setup { span: own_span, more: own, .. } = &mut ensemble.setup;
+        let EnsembleSetup { span: own_span, more: own, .. } = &mut ensemble.setup;
         (own_span.end, own_span.is_whole) = (span.end, span.is_whole);
         own.starts.set(
             "starts_from",
@@ -192,9 +193,9 @@ const STARTS: &str = "a start: add `.start(...)`, `.starts_from(...)` or `.start
 
 /// # Errors
 /// [`ConfigError::Setting`] for settings that have no meaning for indicators.
-fn refuse_unused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Result<(), ConfigError> {
+fn refuse_unused<H: Hamiltonian>(setup: &EnsembleSetup<'_, H>) -> Result<(), ConfigError> {
     let more = &setup.more;
-    let Extras {
+    let ExtraStatistics {
         quantiles,
         covariances,
         histograms,
@@ -234,7 +235,7 @@ impl<V: Vector> ChaosMap<V> {
     pub fn table(&self) -> Table {
         let Variables { q, p, .. } = self.variables;
         let degrees = self.starts.first().map_or(0, |start| start.q.components().len());
-        let rows = Rows::of(0..self.starts.len());
+        let rows = TableRows::of(0..self.starts.len());
         let rows = (0..degrees)
             .fold(rows, |rows, i| rows.column(q.name(i), move |path| self.starts[*path].q.components()[i]));
         let rows = (0..degrees)

@@ -2,23 +2,25 @@
 
 use std::sync::Arc;
 
-use super::job::{Job, OwnWork, Stop};
-use super::source::Source;
-use super::starts::{self, ByPath, Drawn, STARTS, SYSTEMS};
-use super::{Ensemble, Extras};
+use super::job::{EnsembleJob, OwnWork, Stop};
+use super::source::NoiseSource;
+use super::starts::{self, ByPath, DrawPurpose, STARTS, SYSTEMS};
+use super::{Ensemble, ExtraStatistics};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, UnknownName, wrong};
 use crate::ground::names::free;
 use crate::ground::variables::Variables;
 use crate::increments::Interval;
 use crate::noise::StepNormals;
-use crate::path::Error;
-use crate::path::choice::SOME;
-use crate::path::options::{Observables, elsewhere};
-use crate::path::span::{Grid, ONE_START};
 use crate::scheme::poles;
 use crate::scheme::system::{Discretized, Scheme as _, SchemeOf, disequilibrium};
-use crate::statistics::{Crossings, Histogram, Nodes, Passage, Passages, Paths, Statistics, StatisticsNode};
+use crate::statistics::{
+    Crossings, Histogram, Passage, Passages, PathValues, RecordedNodes, Statistics, StatisticsNode,
+};
+use crate::trajectory::Error;
+use crate::trajectory::exclusive_setting::SOME;
+use crate::trajectory::options::{Observables, elsewhere};
+use crate::trajectory::span::{NodeGrid, ONE_START};
 
 /// More recorded nodes than anyone looks at.
 const MOST_NODES: u64 = 1 << 20;
@@ -60,7 +62,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
     ///
     /// # Errors
     /// [`Error::Config`] or [`Error::Noise`].
-    pub(super) fn job<'s>(self, stop: Stop<'s>) -> Result<Job<'s, H, E>, Error>
+    pub(super) fn job<'s>(self, stop: Stop<'s>) -> Result<EnsembleJob<'s, H, E>, Error>
     where
         'a: 's,
     {
@@ -70,7 +72,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
             return Err(ConfigError::StepSize(h).into());
         }
         let own_source = more.source.checked("an ensemble has one noise")?;
-        let seed = own_source.as_ref().map_or(0, Source::seed);
+        let seed = own_source.as_ref().map_or(0, NoiseSource::seed);
         let starts = more.starts.checked(ONE_START)?;
         if let Some(starts) = &starts {
             if setup.span.start.value().is_some() {
@@ -78,7 +80,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
                     "`start(...)` and starts of the paths, `starts(...)` or `starts_from(...)`: leave one of them out",
                 );
             }
-            let first = starts.of(Drawn::Start, seed, 0).ok_or(ConfigError::Missing(STARTS))?;
+            let first = starts.of(DrawPurpose::Start, seed, 0).ok_or(ConfigError::Missing(STARTS))?;
             setup.span.start.set("start", SOME, first);
         }
         let own_systems = more.systems.checked("a path has one system")?;
@@ -87,7 +89,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let listed =
             [starts.as_ref().and_then(ByPath::listed), own_systems.as_ref().and_then(ByPath::listed)];
         let paths = number_of_paths(more.paths, listed)?;
-        let systems = own_systems.map(|systems| systems.into_list(Drawn::System, seed, paths));
+        let systems = own_systems.map(|systems| systems.into_list(DrawPurpose::System, seed, paths));
         let systems = systems.transpose()?.unwrap_or_default();
         starts::check_systems::<H, E>(&systems, system, start.q.components().len())?;
         let end = grid.time(steps);
@@ -98,7 +100,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let source = match own_source {
             None if processes > 0 => return Err(ConfigError::Missing(SEED).into()),
             Some(source) if processes > 0 => source,
-            _ => Source::new(StepNormals::seed(0)),
+            _ => NoiseSource::new(StepNormals::seed(0)),
         };
         let first = Interval { start: start.t, h, step: 0 };
         let source = source.prepared(more.settings, &H::PLAN, first, (processes, grid.whole()))?;
@@ -160,10 +162,10 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let crossings = vec![crossings; setup.sections.len()];
         let empty = more.wanted.checked(names, &times, (passages, crossings), has_pairs, paths)?;
         grid.check_parts(&mut *source.path(0), processes, setup.retry)?;
-        Ok(Job {
+        Ok(EnsembleJob {
             system,
-            prepared: crate::path::step::prepared(system, h)?,
-            shorter: grid.shorter.map(|h| crate::path::step::prepared(system, h)).transpose()?,
+            prepared: crate::trajectory::step::prepared(system, h)?,
+            shorter: grid.shorter.map(|h| crate::trajectory::step::prepared(system, h)).transpose()?,
             h,
             level: 0,
             start,
@@ -192,7 +194,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
 
 /// Whether each system goes in lanes with the first one. One that cannot be prepared is an error of its path.
 fn all_gather<H: Discretized<E>, E>(systems: &[H], h: f64) -> bool {
-    let mut prepared = systems.iter().filter_map(|system| crate::path::step::prepared(system, h).ok());
+    let mut prepared = systems.iter().filter_map(|system| crate::trajectory::step::prepared(system, h).ok());
     let Some(first) = prepared.next() else { return true };
     prepared.all(|other| SchemeOf::<H, E>::gather([&first, &other]).is_some())
 }
@@ -221,7 +223,7 @@ fn check_weight<H: Discretized<E>, E>(system: &H) -> Result<(), ConfigError> {
     }
 }
 
-impl Extras {
+impl ExtraStatistics {
     fn checked(
         self,
         names: Vec<String>,
@@ -236,7 +238,7 @@ impl Extras {
         let histograms =
             self.histograms.into_iter().map(histogram).collect::<Result<Vec<_>, ConfigError>>()?;
         let (histogrammed, histograms): (Vec<usize>, Vec<Histogram>) = histograms.into_iter().unzip();
-        let bytes = Paths::bytes(paths, times.len(), names.len())
+        let bytes = PathValues::bytes(paths, times.len(), names.len())
             + u128::from(paths) * (passages.len() * size_of::<Passage>()) as u128;
         if let Some(most) = self.most_bytes
             && bytes > u128::from(most)
@@ -256,18 +258,18 @@ impl Extras {
             ));
         }
         let node = StatisticsNode::new(observables, has_covariances, (has_pairs, self.quantiles), histograms);
-        let kept = self.most_bytes.map(|_| Paths::new(times.len(), observables));
-        let nodes = Nodes::new(times, &node, histogrammed);
+        let kept = self.most_bytes.map(|_| PathValues::new(times.len(), observables));
+        let nodes = RecordedNodes::new(times, &node, histogrammed);
         Ok(Statistics::new(names, nodes).with(passages, crossings, kept, self.added))
     }
 }
 
 /// The passages of events, each with a histogram over the whole time.
-fn passages(names: Vec<String>, grid: &Grid, are_kept: bool) -> Result<Vec<Passages>, ConfigError> {
+fn passages(names: Vec<String>, grid: &NodeGrid, are_kept: bool) -> Result<Vec<Passages>, ConfigError> {
     if names.is_empty() {
         return Ok(Vec::new());
     }
-    let (Grid { start, h, steps, .. }, end) = (*grid, grid.time(grid.steps));
+    let (NodeGrid { start, h, steps, .. }, end) = (*grid, grid.time(grid.steps));
     // Without a step there is no time to count.
     let [lower, upper] = if steps == 0 { [start, start + h.abs()] } else { [start.min(end), start.max(end)] };
     let bins = Histogram::new(lower, upper, PASSAGE_BINS)?;

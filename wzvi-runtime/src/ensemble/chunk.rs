@@ -4,20 +4,20 @@ use std::marker::PhantomData;
 use std::ops::{ControlFlow, Range};
 
 use super::group::Group;
-use super::job::Job;
+use super::job::EnsembleJob;
 use super::observation::Observation;
 use super::starts::Systems;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::ensemble::schedule::in_order;
-use crate::path::Error;
-use crate::path::steps::take_steps;
 use crate::scheme::system::Discretized;
 use crate::statistics::Statistics;
+use crate::trajectory::Error;
+use crate::trajectory::steps::take_steps;
 
 /// Paths in a chunk where paths go beside each other: two groups of the widest vector registers.
-pub(super) const BESIDE: u64 = 64;
+pub(super) const PATHS_IN_LANES: u64 = 64;
 /// Paths in a chunk where paths go one after the other.
-pub(super) const ONE_BY_ONE: u64 = 4;
+pub(super) const SCALAR_PATHS: u64 = 4;
 
 /// Whether a path has more than one degree of freedom, and so more beside it that is to stay in registers.
 const fn is_wide<V>() -> bool {
@@ -33,8 +33,8 @@ const TASKS: u64 = 4;
 /// Does the chunks of a job with these numbers, with the paths of a coarser job beside them, and gives the
 /// statistics of each to `take` in the order of their numbers, until it breaks.
 pub(super) fn in_chunks<H: Discretized<E> + Sync, E, P: Systems, const WIDTH: usize>(
-    job: &Job<'_, H, E>,
-    coarse: Option<&Job<'_, H, E>>,
+    job: &EnsembleJob<'_, H, E>,
+    coarse: Option<&EnsembleJob<'_, H, E>>,
     chunks: Range<u64>,
     (threads, instructions): (usize, InstructionSet),
     mut take: impl FnMut(Result<Statistics, Error>) -> ControlFlow<()> + Send,
@@ -54,22 +54,22 @@ pub(super) fn in_chunks<H: Discretized<E> + Sync, E, P: Systems, const WIDTH: us
 /// has more than one degree of freedom, one where steps are in vector instructions by themselves), or `WIDTH`
 /// if that is not 0.
 pub(super) struct Chunks<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
-    job: &'j Job<'a, H, E>,
+    job: &'j EnsembleJob<'a, H, E>,
     /// The job of the coarser paths beside these.
-    coarse: Option<&'j Job<'a, H, E>>,
+    coarse: Option<&'j EnsembleJob<'a, H, E>>,
     numbers: Range<u64>,
     systems: PhantomData<P>,
 }
 
 /// What chunks found out, in their order; one without a result, because it failed or was stopped, is the last
 /// one.
-pub(super) type Found = Vec<Result<Statistics, Error>>;
+pub(super) type ChunkResults = Vec<Result<Statistics, Error>>;
 
 impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P, WIDTH> {
     /// With these numbers.
     pub(super) fn new(
-        job: &'j Job<'a, H, E>,
-        coarse: Option<&'j Job<'a, H, E>>,
+        job: &'j EnsembleJob<'a, H, E>,
+        coarse: Option<&'j EnsembleJob<'a, H, E>>,
         numbers: Range<u64>,
     ) -> Self {
         Self { job, coarse, numbers, systems: PhantomData }
@@ -84,7 +84,7 @@ impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P
     /// The instructions that take no more paths beside each other than there are, if those asked for take
     /// more: lanes without a path cost as much as others.
     pub(super) fn instructions(&self, asked: InstructionSet) -> InstructionSet {
-        if WIDTH == 0 && self.job.goes_path_by_path() {
+        if WIDTH == 0 && self.job.takes_scalar_paths() {
             return asked;
         }
         let Range { start, end } = self.paths(&self.numbers);
@@ -94,13 +94,13 @@ impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P
 }
 
 impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunks<'_, '_, H, E, P, WIDTH> {
-    type Output = Found;
+    type Output = ChunkResults;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         if const { WIDTH != 0 } {
             self.of_width::<WIDTH>()
-        } else if const { Job::<H, E>::MAY_GO_PATH_BY_PATH } && self.job.goes_path_by_path() {
+        } else if const { EnsembleJob::<H, E>::MAY_TAKE_SCALAR_PATHS } && self.job.takes_scalar_paths() {
             self.of_width::<1>()
         } else if const { is_wide::<H::Vector>() } {
             self.of_width::<HALF>()
@@ -112,8 +112,8 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunks<'_,
 
 impl<'a, H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunks<'_, 'a, H, E, P, WIDTH> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_width<const L: usize>(self) -> Found {
-        let (mut group, mut found) = (Group::<H, E, P, L>::new(self.job, self.coarse), Found::new());
+    fn of_width<const L: usize>(self) -> ChunkResults {
+        let (mut group, mut found) = (Group::<H, E, P, L>::new(self.job, self.coarse), ChunkResults::new());
         for number in self.numbers.clone() {
             found.push(self.of_chunk(&mut group, self.paths(&(number..number + 1))));
             if found.last().is_some_and(Result::is_err) {

@@ -20,22 +20,22 @@ use std::sync::OnceLock;
 use mpi::environment::{Threading, threading_support};
 use mpi::traits::Communicator;
 
-pub use crate::path::error::ClusterError;
+pub use crate::trajectory::error::ClusterError;
 use orders::Orders;
 use ranks::{AbortOnPanic, agree, same};
-use serve::Hands;
+use serve::RankWork;
 
 use super::Ensemble;
-use super::account::Account;
+use super::account::ChunkLedger;
 use super::chunk::Chunks;
-use super::keeping::described;
+use super::run_identity::described;
 use super::starts::Systems;
 use crate::ensemble::schedule::Queue;
 use crate::error::{ConfigError, StoppedError};
 use crate::increments::Noise;
-use crate::path::Error;
 use crate::scheme::system::Discretized;
 use crate::statistics::Statistics;
+use crate::trajectory::Error;
 
 impl<H, E, N, P> Ensemble<'_, H, E, N, P>
 where
@@ -79,7 +79,7 @@ where
         let described = agree(&world, described(&job, []))?;
         same(&world, &described.lines(job.paths))?;
         let account = match world.rank() {
-            0 => Account::open(&job, &control, keeping, execution.progress("paths")).map(Some),
+            0 => ChunkLedger::open(&job, &control, keeping, execution.progress("paths")).map(Some),
             _ => Ok(None),
         };
         let account = agree(&world, account)?;
@@ -104,14 +104,14 @@ where
         };
         let all = threads.saturating_mul(world.size().unsigned_abs() as usize);
         let queue = Queue::new(account.chunks(), all);
-        let hands = Hands { threads, work, stop: &stop };
+        let hands = RankWork { threads, work, stop: &stop };
         let stopped = StoppedError { done: 0, all: job.steps };
         let served = serve::serve(
             &world,
             queue,
             hands,
             || job.empty.clone(),
-            |chunk| account.take(chunk.ok_or(stopped.into())),
+            |chunk| account.add_chunk(chunk.ok_or(stopped.into())),
         );
         let statistics = served.outcome.and_then(|()| match failed.get() {
             Some(error) => Err(error.clone()),

@@ -1,7 +1,7 @@
 //! What ends a run before all its paths are done.
 
 use crate::error::{ConfigError, above_zero, wrong};
-use crate::ground::digits::Brief;
+use crate::ground::digits::ShortestDecimal;
 use crate::statistics::LossError;
 use crate::statistics::{Statistics, StatisticsNode as Node, TargetStatus};
 
@@ -31,26 +31,28 @@ impl Control {
     pub(super) fn allowed_losses(&self) -> Result<f64, ConfigError> {
         match self.losses.unwrap_or(MOST_LOSSES) {
             fraction if (0.0..=1.0).contains(&fraction) => Ok(fraction),
-            fraction => wrong(format!("losses of {}: take a fraction from 0 to 1", Brief(fraction))),
+            fraction => {
+                wrong(format!("losses of {}: take a fraction from 0 to 1", ShortestDecimal(fraction)))
+            }
         }
     }
 
     /// The targets, if they are for some of the observables `names`.
-    pub(super) fn targets(&self, names: &[String]) -> Result<Targets, ConfigError> {
+    pub(super) fn targets(&self, names: &[String]) -> Result<ErrorTargets, ConfigError> {
         let target = |(name, target): &(String, f64)| {
             above_zero(*target, |target| format!("a standard error of {target} as target"))?;
             Ok((super::checks::observable(name, names)?, *target))
         };
-        Ok(Targets(self.targets.iter().map(target).collect::<Result<_, _>>()?))
+        Ok(ErrorTargets(self.targets.iter().map(target).collect::<Result<_, _>>()?))
     }
 }
 
 /// Observables by index, with the standard errors that are small enough.
-pub(super) struct Targets(Vec<(usize, f64)>);
+pub(super) struct ErrorTargets(Vec<(usize, f64)>);
 
-impl Targets {
+impl ErrorTargets {
     /// Whether all errors are small enough, and about how many paths that takes, of `limit` at most.
-    pub(super) fn look(&self, statistics: &Statistics, limit: u64) -> (bool, u64) {
+    pub(super) fn errors_reached(&self, statistics: &Statistics, limit: u64) -> (bool, u64) {
         let Some(end) = statistics.last() else { return (false, limit) };
         if self.0.is_empty() {
             return (false, limit);
@@ -103,7 +105,7 @@ mod tests {
     use super::*;
     use crate::noise::random;
     use crate::noise::step_normals::normals;
-    use crate::statistics::{Nodes, Seen};
+    use crate::statistics::{RecordedNodes, Seen};
 
     /// Normals and uniform numbers, ten of the one or sixteen of the other from a block.
     struct Draws {
@@ -122,11 +124,11 @@ mod tests {
     /// run.
     fn run(target: f64, most: u64, mut block: impl FnMut(&mut Vec<f64>)) -> (f64, u64, TargetStatus) {
         let node = Node::new(1, true, (false, false), Vec::new());
-        let empty = Statistics::new(vec!["x".into()], Nodes::new(&[0.0], &node, Vec::new()));
+        let empty = Statistics::new(vec!["x".into()], RecordedNodes::new(&[0.0], &node, Vec::new()));
         let mut statistics = empty.clone();
-        let targets = Targets(vec![(0, target)]);
+        let targets = ErrorTargets(vec![(0, target)]);
         let mut samples = Vec::new();
-        while !targets.look(&statistics, most).0 && statistics.begun() < most {
+        while !targets.errors_reached(&statistics, most).0 && statistics.begun() < most {
             while samples.len() < 512 {
                 block(&mut samples);
             }

@@ -7,16 +7,16 @@
 //!
 //! Tested by `tests/paths/between/ensembles.rs` and `tests/ensembles/statistics.rs`.
 
-use super::job::Job;
+use super::job::EnsembleJob;
 use crate::algebra::state::{State, Vector};
-use crate::path::section::{Crossing, Watch};
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
 use crate::statistics::{Passage, Seen, Statistics};
+use crate::trajectory::section::{Crossing, SectionWatch};
 
 /// Follows one path past the zeros of the functions of a run, sections first, then events.
 pub(super) struct PathCrossings<V> {
-    watch: Watch<V>,
+    watch: SectionWatch<V>,
     /// Crossings so far, by section.
     counts: Vec<u64>,
     /// The time of the first crossing, by event; NaN before.
@@ -24,23 +24,30 @@ pub(super) struct PathCrossings<V> {
 }
 
 impl<V: Vector> PathCrossings<V> {
-    pub(super) fn new<H: Discretized<E, Vector = V>, E>(job: &Job<'_, H, E>) -> Self {
+    pub(super) fn new<H: Discretized<E, Vector = V>, E>(job: &EnsembleJob<'_, H, E>) -> Self {
         Self {
-            watch: Watch::new(job.crossed(), &job.start),
+            watch: SectionWatch::new(job.crossed(), &job.start),
             counts: vec![0; job.sections.len()],
             passed: vec![f64::NAN; job.events.len()],
         }
     }
 
     /// Begins another path.
-    pub(super) fn begin<H: Discretized<E, Vector = V>, E>(&mut self, job: &Job<'_, H, E>, start: &State<V>) {
+    pub(super) fn begin<H: Discretized<E, Vector = V>, E>(
+        &mut self,
+        job: &EnsembleJob<'_, H, E>,
+        start: &State<V>,
+    ) {
         self.watch.begin(job.crossed(), start);
         self.counts.fill(0);
         self.passed.fill(f64::NAN);
     }
 
     /// The number of functions that are still looked for inside steps, the first ones of all.
-    pub(super) fn looked_for_inside<H: Discretized<E, Vector = V>, E>(&self, job: &Job<'_, H, E>) -> usize {
+    pub(super) fn looked_for_inside<H: Discretized<E, Vector = V>, E>(
+        &self,
+        job: &EnsembleJob<'_, H, E>,
+    ) -> usize {
         let waits = !job.has_passages_at_nodes() && self.passed.iter().any(|passed| passed.is_nan());
         job.sections.len() + if waits { job.events.len() } else { 0 }
     }
@@ -48,7 +55,7 @@ impl<V: Vector> PathCrossings<V> {
     /// Looks into a step, or a part of it, for the first `number` functions.
     pub(super) fn look_inside<H: Discretized<E, Vector = V>, E>(
         &mut self,
-        job: &Job<'_, H, E>,
+        job: &EnsembleJob<'_, H, E>,
         number: usize,
         dense: &DenseOutput<V>,
         (path, statistics): (u64, &mut Statistics),
@@ -72,7 +79,7 @@ impl<V: Vector> PathCrossings<V> {
     /// Looks for the events of the step between these times that ended in this state, at its nodes alone.
     pub(super) fn look_at_node<H: Discretized<E, Vector = V>, E>(
         &mut self,
-        job: &Job<'_, H, E>,
+        job: &EnsembleJob<'_, H, E>,
         times: [f64; 2],
         state: &State<V>,
     ) {

@@ -40,18 +40,18 @@ impl Normals {
         set: InstructionSet,
         visit: impl FnMut(&[[f64; 16]; STEPS]),
     ) {
-        set.run(Visit { key: &self.key, paths, blocks, visit });
+        set.run(NormalsVisit { key: &self.key, paths, blocks, visit });
     }
 }
 
-struct Visit<'k, F> {
+struct NormalsVisit<'k, F> {
     key: &'k [u32; 8],
     paths: Range<u64>,
     blocks: Range<u64>,
     visit: F,
 }
 
-impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for Visit<'_, F> {
+impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for NormalsVisit<'_, F> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -83,7 +83,7 @@ pub(crate) fn normals_of_processes<const L: usize>(
     (path, block): (u64, u64),
     to: &mut [[f64; L]; STEPS],
 ) {
-    side_by_side(|lane| (of_process(key, process + lane), path, block), to);
+    draw_lanes(|lane| (of_process(key, process + lane), path, block), to);
 }
 
 /// Normals of steps `STEPS * block ..` of a path for each lane, which `address` gives: `[step][lane]`.
@@ -94,12 +94,12 @@ pub(crate) fn normals_at<const L: usize>(
     to: &mut [[f64; L]; STEPS],
 ) {
     if L != 32 {
-        return side_by_side(|lane| with_key(key, address(lane)), to);
+        return draw_lanes(|lane| with_key(key, address(lane)), to);
     }
     // Twice 16 words do not fit into the registers of AVX-512.
     let mut part = [[0.0; 16]; STEPS];
     for half in 0..2 {
-        side_by_side(|lane| with_key(key, address(16 * half as u64 + lane)), &mut part);
+        draw_lanes(|lane| with_key(key, address(16 * half as u64 + lane)), &mut part);
         for (to, part) in to.iter_mut().zip(&part) {
             for i in 0..16 {
                 to[16 * half + i] = part[i];
@@ -109,16 +109,16 @@ pub(crate) fn normals_at<const L: usize>(
 }
 
 /// A key, a path and a block of its steps.
-type Address = ([u32; 8], u64, u64);
+type BlockKey = ([u32; 8], u64, u64);
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn with_key(key: &[u32; 8], (path, block): (u64, u64)) -> Address {
+fn with_key(key: &[u32; 8], (path, block): (u64, u64)) -> BlockKey {
     (*key, path, block)
 }
 
 /// The normals of an address for each lane, all at once.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn side_by_side<const L: usize>(address: impl Fn(u64) -> Address, to: &mut [[f64; L]; STEPS]) {
+fn draw_lanes<const L: usize>(address: impl Fn(u64) -> BlockKey, to: &mut [[f64; L]; STEPS]) {
     let mut words = [[0; L]; 16];
     for i in 0..L {
         let (key, path, block) = address(i as u64);

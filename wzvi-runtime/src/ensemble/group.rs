@@ -1,43 +1,45 @@
 //! Paths that run beside each other in the lanes of vector registers: their steps, and which of them failed.
 
-mod alone;
 mod coupled;
 mod inside;
+mod scalar_path;
 mod watched;
 
 use std::marker::PhantomData;
 
-use coupled::Coarse;
+use coupled::CoarsePaths;
 use watched::Motions;
 
 use super::increments::LaneIncrements;
-use super::job::Job;
+use super::job::EnsembleJob;
 use super::starts::Systems;
-use crate::algebra::carry::Plain;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::{Request, StepMemory};
+use crate::algebra::memory::{MemoryRequest, StepMemory};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
+use crate::algebra::state_sum::PlainSum;
 use crate::error::{ConfigError, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
-use crate::path::Error;
-use crate::path::retry::Subdivision;
-use crate::path::step::{Exchanged, Stepper, checks_starts};
-use crate::path::watch::{Room, Watch, keeps_energy};
-use crate::scheme::continuation::Hard;
-use crate::scheme::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, explained};
+use crate::scheme::continuation::HardStep;
+use crate::scheme::system::{
+    Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, StepArguments, explained,
+};
 use crate::statistics::PathFailure;
+use crate::trajectory::Error;
+use crate::trajectory::retry::Subdivision;
+use crate::trajectory::step::{Exchanged, Stepper, checks_starts};
+use crate::trajectory::watch::{EnergyMonitor, MonitorScratch, keeps_energy};
 
 /// A step to check, with room for what that leaves.
-type Checked<'j, H, E> = (Hard<'j, H, E, Plain>, MemoryOf<H, E, f64>);
+type Checked<'j, H, E> = (HardStep<'j, H, E, PlainSum>, MemoryOf<H, E, f64>);
 
 /// No step was halved.
 const NEVER: (u64, u32) = (u64::MAX, 0);
 
 /// `L` paths that run beside each other.
 pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
-    job: &'j Job<'a, H, E>,
+    job: &'j EnsembleJob<'a, H, E>,
     /// The size of the present step, and what is prepared of the system for such steps: the last one may be
     /// shorter.
     size: f64,
@@ -49,10 +51,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     /// Data of previous steps, and the memory that steps in lanes allocate once.
     memory: MemoryOf<H, E, Lanes<L>>,
     /// The memories by lane; none where nothing is remembered.
-    apart: Vec<MemoryOf<H, E, Lanes<1>>>,
+    lane_memories: Vec<MemoryOf<H, E, Lanes<1>>>,
     /// Whether the memories by lane are in use: from a step that some lanes could not take by the fast method
     /// to the first step after which all lanes remember as much.
-    are_apart: bool,
+    has_lane_memories: bool,
     pub(super) increments: LaneIncrements<'j, L>,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -63,7 +65,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     /// The states of paths with a stepper each, else that of one lane, for observers.
     states: Vec<State<H::Vector>>,
     /// Increments of one lane.
-    alone: Vec<f64>,
+    scalar_increments: Vec<f64>,
     /// Coordinates, momenta and increments of a lane that steps alone.
     single: [Vec<Lanes<1>>; 3],
     /// The prepared numbers of each path, if it has a system of its own.
@@ -73,9 +75,9 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     /// One stepper per path: if the scheme
     /// ([`Properties::in_lanes`](crate::scheme::system::Properties::in_lanes)) or the systems cannot run in
     /// lanes, or if dense output is needed that lanes do not have.
-    steppers: Vec<Stepper<'j, H, E, Plain>>,
+    steppers: Vec<Stepper<'j, H, E, PlainSum>>,
     /// Halves steps, once one has to be.
-    subdivision: Option<Subdivision<'j, H, E, Plain>>,
+    subdivision: Option<Subdivision<'j, H, E, PlainSum>>,
     /// The last step of each lane that was halved, and how often.
     halved: [(u64, u32); L],
     /// The step that each lane begins without a guide, the first or one after a halved or hard one, and the
@@ -88,27 +90,27 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     checked: Option<Checked<'j, H, E>>,
     /// The monitored energy of each lane, and the next step at which one is tested; empty where nothing is
     /// monitored.
-    watches: Vec<Watch<H::Vector>>,
+    watches: Vec<EnergyMonitor<H::Vector>>,
     next_look: u64,
     /// The scratch of the lanes whose energy is tested in this step.
-    looked: Vec<(usize, Box<Room<H::Vector>>)>,
+    looked: Vec<(usize, Box<MonitorScratch<H::Vector>>)>,
     /// What the parts of a divided step are compared with.
     motions: Motions<H::Vector>,
     /// Whether anything is looked for between nodes.
     looks_between: bool,
     /// The coarser paths beside these.
-    coarse: Option<Box<Coarse<'j, 'a, H, E, P, L>>>,
+    coarse: Option<Box<CoarsePaths<'j, 'a, H, E, P, L>>>,
     systems: PhantomData<P>,
 }
 
 impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, E, P, L> {
     /// The paths of a job, and those of a coarser one beside them.
-    pub(super) fn new(job: &'j Job<'a, H, E>, coarse: Option<&'j Job<'a, H, E>>) -> Self {
+    pub(super) fn new(job: &'j EnsembleJob<'a, H, E>, coarse: Option<&'j EnsembleJob<'a, H, E>>) -> Self {
         // The number of processes of the system, which may not know it.
         let processes = job.processes();
         let mut increments = LaneIncrements::new(&job.source, processes, job.h);
-        if Self::goes_alone(job) {
-            increments = increments.path_by_path();
+        if Self::takes_scalar_paths(job) {
+            increments = increments.for_scalar_paths();
         } else if coarse.is_some() {
             increments = increments.keeping_normals();
         }
@@ -120,8 +122,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             q: Vec::new(),
             p: Vec::new(),
             memory: Default::default(),
-            apart: Vec::new(),
-            are_apart: false,
+            lane_memories: Vec::new(),
+            has_lane_memories: false,
             single: Default::default(),
             increments,
             counts: [false; L],
@@ -129,7 +131,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             any_failed: false,
             failures: Vec::new(),
             states: Vec::new(),
-            alone: vec![0.0; processes],
+            scalar_increments: vec![0.0; processes],
             own: Vec::new(),
             gathered: None,
             steppers: Vec::new(),
@@ -144,7 +146,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             looked: Vec::new(),
             motions: Motions::default(),
             looks_between: job.looks_between(),
-            coarse: coarse.map(|job| Box::new(Coarse::new(job))),
+            coarse: coarse.map(|job| Box::new(CoarsePaths::new(job))),
             systems: PhantomData,
         }
     }
@@ -190,8 +192,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             (self.subdivision, self.checked) = (None, None);
         }
         (self.unguided, self.anew) = ([step; L], step);
-        self.memory.tell(&Request::Forget);
-        self.are_apart = false;
+        self.memory.tell(&MemoryRequest::Forget);
+        self.has_lane_memories = false;
         if const { P::ARE_OWN } {
             self.own.clear();
             for lane in 0..L {
@@ -208,7 +210,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         self.steppers.clear();
         for lane in 0..L {
             let system = self.job.system_of(self.source_of(lane));
-            self.steppers.push(Stepper::beside_others(system, self.size, accounts)?);
+            self.steppers.push(Stepper::of_many_paths(system, self.size, accounts)?);
         }
         Ok(())
     }
@@ -292,7 +294,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// What is prepared of the system of a lane.
     fn prepared(&self, lane: usize) -> Result<PreparedOf<H, E>, ConfigError> {
         let path = self.source_of(lane);
-        let prepared = crate::path::step::prepared(self.job.system_of(path), self.size);
+        let prepared = crate::trajectory::step::prepared(self.job.system_of(path), self.size);
         prepared.map_err(|cause| ConfigError::PathSystem { path, cause: Box::new(cause) })
     }
 
@@ -317,8 +319,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
 
     /// Whether paths go one after the other, each in vector instructions.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn goes_alone(job: &Job<'_, H, E>) -> bool {
-        L == 1 && const { Job::<H, E>::MAY_GO_PATH_BY_PATH } && job.goes_path_by_path()
+    fn takes_scalar_paths(job: &EnsembleJob<'_, H, E>) -> bool {
+        L == 1 && const { EnsembleJob::<H, E>::MAY_TAKE_SCALAR_PATHS } && job.takes_scalar_paths()
     }
 
     /// Whether each path has a stepper of its own.
@@ -326,7 +328,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     fn is_stepped(&self) -> bool {
         // Lanes do not keep what a scheme knows between its nodes.
         !H::PROPERTIES.in_lanes
-            || Self::goes_alone(self.job)
+            || Self::takes_scalar_paths(self.job)
             || (P::ARE_OWN && self.gathered.is_none())
             || (H::PROPERTIES.has_polynomial && self.looks_between)
             || self.job.own_work.is_some()
@@ -390,16 +392,22 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             return Ok(());
         }
         let t = self.time(step);
-        if self.are_apart {
-            return self.one_by_one(None, step, t);
+        if self.has_lane_memories {
+            return self.step_scalar_paths(None, step, t);
         }
         let gathered = self.gathered.as_ref();
-        let at = At { t, h: self.size, q: &mut self.q[..], p: &mut self.p[..], dw: self.increments.of(step) };
+        let at = StepArguments {
+            t,
+            h: self.size,
+            q: &mut self.q[..],
+            p: &mut self.p[..],
+            dw: self.increments.of(step),
+        };
         let outcome = advance::<H, E, P, L>(job.system, self.prepared, gathered, at, &mut self.memory);
         match outcome {
             Ok(_) => Ok(()),
-            Err(StepFailure::Lanes(failed)) => self.one_by_one(Some(failed), step, t),
-            Err(_) => self.one_by_one(None, step, t),
+            Err(StepFailure::Lanes(failed)) => self.step_scalar_paths(Some(failed), step, t),
+            Err(_) => self.step_scalar_paths(None, step, t),
         }
     }
 
@@ -413,7 +421,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
                     Some(dw) => dw,
                     None => {
                         self.increments_of(lane, step);
-                        &self.alone
+                        &self.scalar_increments
                     }
                 };
                 let state = &mut self.states[lane];
@@ -452,7 +460,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     }
 
     fn state_of(&mut self, lane: usize, t: f64) -> State<H::Vector> {
-        State { t, ..self.look(lane).clone() }
+        State { t, ..self.observed_state(lane).clone() }
     }
 
     fn put(&mut self, lane: usize, q: &H::Vector, p: &H::Vector) {
@@ -470,13 +478,13 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// The state of a lane at a node that all have reached.
     pub(super) fn state_at(&mut self, lane: usize, node: u64) -> &State<H::Vector> {
         let t = self.time(node);
-        let state = self.look(lane);
+        let state = self.observed_state(lane);
         state.t = t;
         state
     }
 
     /// The state of a lane for observables.
-    fn look(&mut self, lane: usize) -> &mut State<H::Vector> {
+    fn observed_state(&mut self, lane: usize) -> &mut State<H::Vector> {
         if self.is_stepped() {
             return &mut self.states[lane];
         }
@@ -492,14 +500,14 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// The increments of a lane in a step that has been drawn.
     pub(super) fn increments_of(&mut self, lane: usize, step: u64) -> &[f64] {
         match self.increments.of_path(step) {
-            Some(dw) => self.alone.copy_from_slice(dw),
+            Some(dw) => self.scalar_increments.copy_from_slice(dw),
             None => {
-                for (to, from) in self.alone.iter_mut().zip(self.increments.of(step)) {
+                for (to, from) in self.scalar_increments.iter_mut().zip(self.increments.of(step)) {
                     *to = from[lane];
                 }
             }
         }
-        &self.alone
+        &self.scalar_increments
     }
 
     /// How often the last step of a lane was halved, if it is this one.
@@ -541,20 +549,24 @@ fn advance<H: Discretized<E>, E, P: Systems, const L: usize>(
     system: &H,
     prepared: &PreparedOf<H, E>,
     gathered: Option<&PreparedOf<H, E, Lanes<L>>>,
-    At { t, h, q, p, dw }: At<'_, Lanes<L>>,
+    StepArguments { t, h, q, p, dw }: StepArguments<'_, Lanes<L>>,
     memory: &mut MemoryOf<H, E, Lanes<L>>,
 ) -> Result<Effort, StepFailure> {
     if const { P::ARE_OWN }
         && let Some(gathered) = gathered
     {
         let [t, h] = [t, h].map(Lanes::from_f64);
-        let at = At { t, h, q, p, dw };
-        return SchemeOf::<H, E>::advance::<Lanes<L>, _, Plain, false>(
-            system, gathered, at, memory, &mut Plain,
+        let at = StepArguments { t, h, q, p, dw };
+        return SchemeOf::<H, E>::advance::<Lanes<L>, _, PlainSum, false>(
+            system,
+            gathered,
+            at,
+            memory,
+            &mut PlainSum,
         );
     }
-    let at = At { t, h, q, p, dw };
-    SchemeOf::<H, E>::advance::<f64, _, Plain, false>(system, prepared, at, memory, &mut Plain)
+    let at = StepArguments { t, h, q, p, dw };
+    SchemeOf::<H, E>::advance::<f64, _, PlainSum, false>(system, prepared, at, memory, &mut PlainSum)
 }
 
 fn in_order_of_paths(mut failures: Vec<PathFailure>) -> Vec<PathFailure> {

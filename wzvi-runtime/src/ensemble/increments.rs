@@ -1,7 +1,7 @@
 //! The increments of paths beside each other.
 
 use super::draws::{STEPS, normals, normals_at, normals_of_processes};
-use super::source::Source;
+use super::source::NoiseSource;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
 use crate::error::InternalError;
@@ -10,17 +10,17 @@ use crate::noise::step_normals::{place, place_of};
 use crate::noise::{Paths, StepNormals};
 
 /// Processes whose normals are drawn beside each other for a path that goes alone.
-const BESIDE: usize = 16;
+const PROCESSES_AT_ONCE: usize = 16;
 
 /// Where the normals of the steps of a run are among those of all times.
 #[derive(Clone, Copy, Debug)]
-struct Blocks {
+struct NormalBlocks {
     /// The block of the first step, and the place of that step there.
     first: u64,
     place: u64,
 }
 
-impl Blocks {
+impl NormalBlocks {
     /// From the number of the first step on.
     fn from(first: i64) -> Self {
         let (first, place) = place(first);
@@ -48,7 +48,7 @@ impl Blocks {
 }
 
 /// Where the increments of `L` paths come from.
-enum Origin<'j, const L: usize> {
+enum IncrementSource<'j, const L: usize> {
     /// Normals with these keys, by process; those that more is made of than increments are kept, by process
     /// and step.
     Normals(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
@@ -62,11 +62,11 @@ enum Origin<'j, const L: usize> {
 
 /// The increments of `L` paths.
 pub(super) struct LaneIncrements<'j, const L: usize> {
-    origin: Origin<'j, L>,
+    origin: IncrementSource<'j, L>,
     /// Number of the first path.
     path: u64,
     processes: usize,
-    blocks: Blocks,
+    blocks: NormalBlocks,
     /// `√|h|`
     deviation: f64,
     /// The largest normal, in absolute value.
@@ -77,28 +77,30 @@ pub(super) struct LaneIncrements<'j, const L: usize> {
 
 impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// Increments of so many processes in steps of size `h`.
-    pub(super) fn new(source: &'j Source<'_>, processes: usize, h: f64) -> Self {
+    pub(super) fn new(source: &'j NoiseSource<'_>, processes: usize, h: f64) -> Self {
         let keys = source
             .normals
             .as_ref()
             .map(|normals| (0..processes).map(|k| normals.key(k as u64, h)).collect::<Vec<_>>());
         let origin = match keys {
-            Some(keys) if source.is_antithetic() => Origin::Pairs(keys, vec![[[0.0; L]; STEPS]; processes]),
-            Some(keys) => Origin::Normals(keys, Vec::new()),
-            None => Origin::Each((0..L).map(|_| source.path(0)).collect(), vec![0.0; processes]),
+            Some(keys) if source.is_antithetic() => {
+                IncrementSource::Pairs(keys, vec![[[0.0; L]; STEPS]; processes])
+            }
+            Some(keys) => IncrementSource::Normals(keys, Vec::new()),
+            None => IncrementSource::Each((0..L).map(|_| source.path(0)).collect(), vec![0.0; processes]),
         };
         let values = vec![Lanes::from_f64(0.0); STEPS * processes];
         // Rows of other noises are numbered from the first step on.
-        let blocks = Blocks::from(source.normals.as_ref().map_or(0, StepNormals::first));
+        let blocks = NormalBlocks::from(source.normals.as_ref().map_or(0, StepNormals::first));
         Self { origin, path: 0, processes, blocks, deviation: h.abs().sqrt(), clip: source.clip(h), values }
     }
 
     /// For paths that go one after the other.
-    pub(super) fn path_by_path(mut self) -> Self {
-        if let Origin::Normals(keys, _) = &self.origin
+    pub(super) fn for_scalar_paths(mut self) -> Self {
+        if let IncrementSource::Normals(keys, _) = &self.origin
             && let Some(&key) = keys.first()
         {
-            self.origin = Origin::Alone(key, vec![0.0; STEPS * self.processes]);
+            self.origin = IncrementSource::Alone(key, vec![0.0; STEPS * self.processes]);
             self.values = Vec::new();
         }
         self
@@ -106,7 +108,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
 
     /// Also keeps the normals, from which multilevel runs make the increments of coarser paths.
     pub(super) fn keeping_normals(mut self) -> Self {
-        if let Origin::Normals(keys, kept) = &mut self.origin {
+        if let IncrementSource::Normals(keys, kept) = &mut self.origin {
             kept.resize(keys.len(), [[0.0; L]; STEPS]);
         }
         self
@@ -115,7 +117,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// Goes to paths `path ..`.
     pub(super) fn begin(&mut self, path: u64) {
         self.path = path;
-        if let Origin::Each(noises, _) = &mut self.origin {
+        if let IncrementSource::Each(noises, _) = &mut self.origin {
             noises.iter_mut().zip(path..).for_each(|(noise, path)| noise.set_path(path));
         }
     }
@@ -132,7 +134,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     ) -> Result<(), NoiseError> {
         let (step, processes, blocks) = (interval.step, self.processes, self.blocks);
         match &mut self.origin {
-            Origin::Normals(keys, kept) => {
+            IncrementSource::Normals(keys, kept) => {
                 if !blocks.begins(step, 1) {
                     return Ok(());
                 }
@@ -148,13 +150,13 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
                     }
                 }
             }
-            Origin::Alone(..) => {
+            IncrementSource::Alone(..) => {
                 if blocks.begins(step, 1) {
-                    self.draw_alone(blocks.of(step));
+                    self.draw_scalar_path(blocks.of(step));
                 }
             }
-            Origin::Pairs(..) => self.draw_pairs(step),
-            Origin::Each(..) => self.ask(interval, wants)?,
+            IncrementSource::Pairs(..) => self.draw_pairs(step),
+            IncrementSource::Each(..) => self.ask(interval, wants)?,
         }
         Ok(())
     }
@@ -166,7 +168,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// The error of a noise that has none.
     pub(super) fn draw_last(
         &mut self,
-        source: &Source<'_>,
+        source: &NoiseSource<'_>,
         interval: &Interval,
         h: f64,
         wants: impl Fn(usize) -> bool,
@@ -175,7 +177,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         if processes == 0 {
             return Ok(());
         }
-        if let (Origin::Normals(..), Some(noise)) = (&self.origin, &source.normals) {
+        if let (IncrementSource::Normals(..), Some(noise)) = (&self.origin, &source.normals) {
             let ((block, place), mut drawn) = (place_of(interval.begin(), h)?, [[0.0; L]; STEPS]);
             let (clip, deviation) = (source.clip(h), h.abs().sqrt());
             for (process, to) in (0..).zip(self.of_mut(step)) {
@@ -187,7 +189,9 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         let mut alone = vec![0.0; processes];
         for lane in (0..L).filter(|lane| wants(*lane)) {
             match &mut self.origin {
-                Origin::Each(noises, _) => noises[lane].increments_of_part(interval, h, &mut alone)?,
+                IncrementSource::Each(noises, _) => {
+                    noises[lane].increments_of_part(interval, h, &mut alone)?
+                }
                 _ => source.path(path + lane as u64).increments_of_part(interval, h, &mut alone)?,
             }
             check_finite(step, &alone)?;
@@ -198,11 +202,11 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
 
     /// Draws many processes of one path at once.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn draw_alone(&mut self, block: u64) {
-        let Origin::Alone(key, values) = &mut self.origin else { return };
-        let mut drawn = [[0.0; BESIDE]; STEPS];
-        for first in (0..self.processes).step_by(BESIDE) {
-            let end = self.processes.min(first + BESIDE);
+    fn draw_scalar_path(&mut self, block: u64) {
+        let IncrementSource::Alone(key, values) = &mut self.origin else { return };
+        let mut drawn = [[0.0; PROCESSES_AT_ONCE]; STEPS];
+        for first in (0..self.processes).step_by(PROCESSES_AT_ONCE) {
+            let end = self.processes.min(first + PROCESSES_AT_ONCE);
             normals_of_processes(key, first as u64, (self.path, block), &mut drawn);
             for (row, drawn) in values.chunks_exact_mut(self.processes).zip(&drawn) {
                 let drawn = increment(Lanes::new(*drawn), self.clip, self.deviation).to_array();
@@ -214,7 +218,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// Half of the lanes that are drawn at once are for the steps after the next [`STEPS`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn draw_pairs(&mut self, step: u64) {
-        let (blocks, Origin::Pairs(keys, drawn)) = (self.blocks, &mut self.origin) else { return };
+        let (blocks, IncrementSource::Pairs(keys, drawn)) = (self.blocks, &mut self.origin) else { return };
         if blocks.begins(step, 2) {
             let (first, block, half) = (self.path / 2, blocks.of(step), L as u64 / 2);
             for (key, to) in keys.iter().zip(drawn.iter_mut()) {
@@ -225,7 +229,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         let half = (blocks.of(step).wrapping_sub(blocks.first) % 2) as usize;
         let within = blocks.slot(step);
         for process in 0..self.processes {
-            let Origin::Pairs(_, drawn) = &self.origin else { return };
+            let IncrementSource::Pairs(_, drawn) = &self.origin else { return };
             let drawn = &drawn[process][within];
             let signed = |lane: usize| {
                 let normal = drawn[half * (L / 2) + lane / 2];
@@ -238,7 +242,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// Asks the noise of each path.
     #[inline(never)]
     fn ask(&mut self, interval: &Interval, wants: impl Fn(usize) -> bool) -> Result<(), NoiseError> {
-        let Origin::Each(noises, alone) = &mut self.origin else { return Ok(()) };
+        let IncrementSource::Each(noises, alone) = &mut self.origin else { return Ok(()) };
         let (_, to) = self.values.split_at_mut(self.blocks.slot(interval.step) * self.processes);
         for (lane, noise) in noises.iter_mut().enumerate().filter(|(lane, _)| wants(*lane)) {
             noise.increments(interval, alone)?;
@@ -256,7 +260,8 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// [`InternalError`] where they are not kept.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn normals(&self, process: usize, step: u64) -> Result<Lanes<L>, InternalError> {
-        let kept = if let Origin::Normals(_, kept) = &self.origin { kept.get(process) } else { None };
+        let kept =
+            if let IncrementSource::Normals(_, kept) = &self.origin { kept.get(process) } else { None };
         let missing = || InternalError::new("normals are kept where they are asked for", process);
         kept.map(|kept| Lanes::new(kept[self.blocks.slot(step)])).ok_or_else(missing)
     }
@@ -281,13 +286,13 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// The increments of a path that goes alone; `None` where paths do not.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of_path(&self, step: u64) -> Option<&[f64]> {
-        let Origin::Alone(_, values) = &self.origin else { return None };
+        let IncrementSource::Alone(_, values) = &self.origin else { return None };
         values.get(self.blocks.slot(step) * self.processes..)?.get(..self.processes)
     }
 
     /// Replaces the increments of a lane.
     pub(super) fn set(&mut self, lane: usize, step: u64, dw: &[f64]) {
-        if let Origin::Alone(_, values) = &mut self.origin {
+        if let IncrementSource::Alone(_, values) = &mut self.origin {
             let row = values.chunks_exact_mut(self.processes.max(1)).nth(self.blocks.slot(step));
             row.into_iter().for_each(|row| row.copy_from_slice(dw));
         } else {

@@ -3,23 +3,23 @@
 use std::ops::Range;
 
 use super::chunk;
-use super::source::{Settings, Source};
-use super::starts::{self, ByPath, Drawn, STARTS};
+use super::source::{NoiseSource, NormalSettings};
+use super::starts::{self, ByPath, DrawPurpose, STARTS};
 use crate::algebra::state::{State, Vector};
 use crate::error::ConfigError;
 use crate::increments::Interval;
 use crate::noise::StepNormals;
-use crate::path::Error;
-use crate::path::options::{Observable, OwnObservable};
-use crate::path::recording::Recorded;
-use crate::path::retry::Retry;
-use crate::path::section::Sections;
-use crate::path::span::{Grid, MOST_STEPS};
 use crate::scheme::system::{Discretized, PreparedOf};
 use crate::statistics::Statistics;
+use crate::trajectory::Error;
+use crate::trajectory::options::{Observable, OwnObservable};
+use crate::trajectory::recording::RecordedTime;
+use crate::trajectory::retry::Retry;
+use crate::trajectory::section::Sections;
+use crate::trajectory::span::{MOST_STEPS, NodeGrid};
 
 /// A run of paths that are known by their numbers.
-pub(super) struct Job<'a, H: Discretized<E>, E> {
+pub(super) struct EnsembleJob<'a, H: Discretized<E>, E> {
     pub(super) system: &'a H,
     pub(super) prepared: PreparedOf<H, E>,
     /// What is prepared for a last step that is shorter.
@@ -40,12 +40,12 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     /// The observables of the work of a path.
     pub(super) own_work: Option<OwnWork>,
     pub(super) seed: u64,
-    pub(super) grid: Grid,
+    pub(super) grid: NodeGrid,
     pub(super) paths: u64,
     pub(super) steps: u64,
     /// The start first, the end last.
-    pub(super) recorded: Vec<Recorded>,
-    pub(super) source: Source<'a>,
+    pub(super) recorded: Vec<RecordedTime>,
+    pub(super) source: NoiseSource<'a>,
     pub(super) retry: Retry,
     /// Whether a path ends whose energy has changed.
     pub(super) is_watched: bool,
@@ -82,14 +82,14 @@ pub(super) type Inspector<'a, V> = Box<dyn Fn(u64, &State<V>) + Send + Sync + 'a
 /// Says when to stop.
 pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
-impl<'a, H: Discretized<E>, E> Job<'a, H, E> {
-    /// Whether [`Job::goes_path_by_path`] may be.
-    pub(super) const MAY_GO_PATH_BY_PATH: bool = H::PROPERTIES.fills_registers_from < usize::MAX;
+impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
+    /// Whether [`EnsembleJob::takes_scalar_paths`] may be.
+    pub(super) const MAY_TAKE_SCALAR_PATHS: bool = H::PROPERTIES.scalar_paths_from < usize::MAX;
 
     /// Whether paths go one after the other, because the steps of each are in vector instructions by
     /// themselves. Antithetic paths are drawn in pairs.
-    pub(super) fn goes_path_by_path(&self) -> bool {
-        self.start.q.components().len() >= H::PROPERTIES.fills_registers_from && !self.source.is_antithetic()
+    pub(super) fn takes_scalar_paths(&self) -> bool {
+        self.start.q.components().len() >= H::PROPERTIES.scalar_paths_from && !self.source.is_antithetic()
     }
 
     /// The functions whose zeros paths cross: sections, then events.
@@ -138,7 +138,7 @@ impl<'a, H: Discretized<E>, E> Job<'a, H, E> {
     /// If it is none.
     pub(super) fn start_of(&self, path: u64) -> Result<State<H::Vector>, ConfigError> {
         let Some(starts) = &self.starts else { return Ok(self.start.clone()) };
-        let start = starts.of(Drawn::Start, self.seed, path).ok_or(ConfigError::Missing(STARTS))?;
+        let start = starts.of(DrawPurpose::Start, self.seed, path).ok_or(ConfigError::Missing(STARTS))?;
         starts::check(self.system_of(path), &start, path, (self.start.q.components().len(), self.start.t))?;
         Ok(start)
     }
@@ -156,10 +156,10 @@ impl<'a, H: Discretized<E>, E> Job<'a, H, E> {
         }
         let first = Interval { start: start.t, h, step: 0 };
         let normals = source.normals.clone().unwrap_or_else(|| StepNormals::seed(0));
-        let source = Source::new(normals.on_level(level));
+        let source = NoiseSource::new(normals.on_level(level));
         Ok(Self {
             system,
-            prepared: crate::path::step::prepared(*system, h)?,
+            prepared: crate::trajectory::step::prepared(*system, h)?,
             shorter: None,
             h,
             level,
@@ -170,15 +170,15 @@ impl<'a, H: Discretized<E>, E> Job<'a, H, E> {
             own: Vec::new(),
             own_work: None,
             seed: self.seed,
-            grid: Grid::of(start.t, h, steps),
+            grid: NodeGrid::of(start.t, h, steps),
             paths: self.paths,
             steps,
             recorded: self
                 .recorded
                 .iter()
-                .map(|recorded| Recorded { node: 2 * recorded.node, ..*recorded })
+                .map(|recorded| RecordedTime { node: 2 * recorded.node, ..*recorded })
                 .collect(),
-            source: source.prepared(Settings::default(), &H::PLAN, first, (self.processes(), steps))?,
+            source: source.prepared(NormalSettings::default(), &H::PLAN, first, (self.processes(), steps))?,
             retry: self.retry,
             is_watched: self.is_watched,
             observables: self.observables.clone(),
@@ -192,7 +192,7 @@ impl<'a, H: Discretized<E>, E> Job<'a, H, E> {
 
     /// Paths in a chunk.
     pub(super) fn chunk(&self) -> u64 {
-        if self.goes_path_by_path() { chunk::ONE_BY_ONE } else { chunk::BESIDE }
+        if self.takes_scalar_paths() { chunk::SCALAR_PATHS } else { chunk::PATHS_IN_LANES }
     }
 
     /// The numbers of all chunks.

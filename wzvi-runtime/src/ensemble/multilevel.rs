@@ -24,31 +24,31 @@
 //! telescopes exactly.
 
 mod estimate;
-mod run;
+mod levels;
 
 use std::marker::PhantomData;
 
-pub use crate::path::error::{LevelError, LevelFailure};
+pub use crate::trajectory::error::{LevelError, LevelFailure};
 pub use estimate::{Level, MultilevelEstimate};
-use run::{LEAST_LEVELS, Limits, Run};
+use levels::{LEAST_LEVELS, MultilevelRun, RunLimits};
 
 use super::control::Control;
-use super::job::Job;
-use super::source::{Settings, Source};
+use super::job::EnsembleJob;
+use super::source::{NoiseSource, NormalSettings};
 use super::starts::Paired;
-use super::{Ensemble, Extras, Many, Setup};
+use super::{Ensemble, EnsembleSettings, EnsembleSetup, ExtraStatistics};
 use crate::algebra::state::State;
 use crate::error::{ConfigError, above_zero, wrong};
-use crate::ground::digits::Brief;
+use crate::ground::digits::ShortestDecimal;
 use crate::noise::{StepNormals, Truncation};
-use crate::path::Error;
-use crate::path::checkpoint::{Checkpoint, Keeping};
-use crate::path::choice::Choice;
-use crate::path::options::options;
-use crate::path::recording::Request;
-use crate::path::span::{End, Grid, whole_steps};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::trajectory::Error;
+use crate::trajectory::checkpoint::{Checkpoint, CheckpointSetting};
+use crate::trajectory::exclusive_setting::ExclusiveSetting;
+use crate::trajectory::options::options;
+use crate::trajectory::recording::RecordingRequest;
+use crate::trajectory::span::{NodeGrid, RunEnd, whole_steps};
 
 /// The default of the finest level: steps a million times shorter than the coarsest.
 const MOST_LEVELS: u32 = 20;
@@ -74,15 +74,15 @@ pub enum Observed {}
 /// Other settings of an [`Ensemble`], such as quantiles, have no meaning here.
 #[must_use = "nothing happens before `run`"]
 pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
-    setup: Setup<'a, H>,
-    levels: Levels,
+    setup: EnsembleSetup<'a, H>,
+    levels: LevelSettings,
     types: PhantomData<fn() -> (E, O)>,
 }
 
 /// Settings of levels only.
 #[derive(Clone)]
-struct Levels {
-    target: Choice<f64>,
+struct LevelSettings {
+    target: ExclusiveSetting<f64>,
     /// The weak order that the user sets; `None` means that of the scheme.
     weak_order: Option<f64>,
     finest: u32,
@@ -95,7 +95,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// meaning there, and are an error of the run.
     pub fn multilevel(self, target: f64) -> Multilevel<'a, H, E, Observed> {
         let mut run = Multilevel::begun(self.setup);
-        run.levels.target.set("multilevel", Brief(target), target);
+        run.levels.target.set("multilevel", ShortestDecimal(target), target);
         run
     }
 }
@@ -104,7 +104,7 @@ impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
     /// A run of `system` whose coarsest steps have size `h`: the largest step with which a path is still
     /// meaningful.
     pub fn new(system: &'a H, h: f64) -> Self {
-        Self::begun(Setup::new(system, h))
+        Self::begun(EnsembleSetup::new(system, h))
     }
 
     /// The observable whose mean at the end of the paths is wanted, a function of the state. There is one.
@@ -121,15 +121,16 @@ impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
 impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
     options!(start, end, execution, instructions);
 
-    fn begun(setup: Setup<'a, H>) -> Self {
-        let levels = Levels { target: Choice::default(), weak_order: None, finest: MOST_LEVELS };
+    fn begun(setup: EnsembleSetup<'a, H>) -> Self {
+        let levels =
+            LevelSettings { target: ExclusiveSetting::default(), weak_order: None, finest: MOST_LEVELS };
         Self { setup, levels, types: PhantomData }
     }
 
     /// The seed of its normals: level 0 has those of an ensemble with this seed and step size, finer levels
     /// have their own. Noise belongs to the time at which it acts: from another start time it is another.
     pub fn seed(mut self, seed: u64) -> Self {
-        self.setup.more.source.set("seed", seed, Source::new(StepNormals::seed(seed)));
+        self.setup.more.source.set("seed", seed, NoiseSource::new(StepNormals::seed(seed)));
         self
     }
 
@@ -142,7 +143,7 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
 
     /// The root mean square error that is wanted, in units of the observable.
     pub fn target(mut self, error: f64) -> Self {
-        self.levels.target.set("target", Brief(error), error);
+        self.levels.target.set("target", ShortestDecimal(error), error);
         self
     }
 
@@ -166,7 +167,7 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
     /// the run and at its end, as [`Ensemble::checkpoint`] does. The target, the weak order and the largest
     /// numbers of levels and paths are part of what makes two runs the same.
     pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
-        self.setup.keeping = Keeping::to(checkpoint);
+        self.setup.keeping = CheckpointSetting::to(checkpoint);
         self
     }
 
@@ -211,14 +212,14 @@ where
             Ensemble::<H, E, StepNormals, Paired> { setup: self.setup, types: PhantomData }.job(&stop)?;
         check_end(end, &job)?;
         let [most_paths, most_constant] = [MOST_PATHS, MOST_CONSTANT].map(|most| paths.unwrap_or(most));
-        let limits = Limits { target, weak_order, finest, most_paths, most_constant };
+        let limits = RunLimits { target, weak_order, finest, most_paths, most_constant };
         let hands = (execution.threads()?, execution.instructions());
-        Run::begun(job, limits, keeping, hands, execution.progress("steps"))?.run::<WIDTH>()
+        MultilevelRun::begun(job, limits, keeping, hands, execution.progress("steps"))?.run::<WIDTH>()
     }
 
     /// The target and the weak order, of a run that makes sense.
     fn checked(&self) -> Result<(f64, f64), ConfigError> {
-        let (setup, Levels { target, weak_order, finest }) = (&self.setup, self.levels.clone());
+        let (setup, LevelSettings { target, weak_order, finest }) = (&self.setup, self.levels.clone());
         if let Some(what) = refused(setup) {
             return wrong(format!("{what} in a multilevel run, where it has no meaning: leave it out"));
         }
@@ -254,8 +255,8 @@ where
 }
 
 /// Settings of an ensemble that have no meaning here.
-fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
-    let Setup {
+fn refused<H: Hamiltonian>(setup: &EnsembleSetup<'_, H>) -> Option<&'static str> {
+    let EnsembleSetup {
         system: _,
         h: _,
         span: _,
@@ -268,8 +269,19 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
         keeping: _,
         more,
     } = setup;
-    let Many { starts, systems, paths: _, source, settings, own, events, wanted, inspector, control } = more;
-    let Extras {
+    let EnsembleSettings {
+        starts,
+        systems,
+        paths: _,
+        source,
+        settings,
+        own,
+        events,
+        wanted,
+        inspector,
+        control,
+    } = more;
+    let ExtraStatistics {
         quantiles,
         covariances,
         histograms,
@@ -279,11 +291,11 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
         has_weight: _,
         added,
     } = wanted;
-    let (Settings { is_antithetic, truncation: _ }, Control { targets, losses }) = (settings, control);
-    let Request { every, times } = recorded;
+    let (NormalSettings { is_antithetic, truncation: _ }, Control { targets, losses }) = (settings, control);
+    let RecordingRequest { every, times } = recorded;
     let refused = [
         (observables.len() > 1, "a second observable"),
-        (*is_antithetic || source.value().is_some_and(Source::is_antithetic), "antithetic paths"),
+        (*is_antithetic || source.value().is_some_and(NoiseSource::is_antithetic), "antithetic paths"),
         (source.value().is_some_and(|source| source.normals.is_none()), "a noise that is not `StepNormals`"),
         (systems.value().is_some(), "paths that have systems of their own"),
         (starts.value().is_some(), "paths that start at states of their own"),
@@ -308,10 +320,13 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
 const OBSERVABLE: &str = "an observable: add `.observe(name, function)`";
 
 /// Whether the coarsest steps end where the run shall: all levels end there.
-fn check_end<H: Discretized<E>, E>(end: Option<End>, job: &Job<'_, H, E>) -> Result<(), ConfigError> {
-    let Grid { start, h, steps, .. } = job.grid;
+fn check_end<H: Discretized<E>, E>(
+    end: Option<RunEnd>,
+    job: &EnsembleJob<'_, H, E>,
+) -> Result<(), ConfigError> {
+    let NodeGrid { start, h, steps, .. } = job.grid;
     match end {
-        Some(End::Time(end)) => whole_steps(start, end, h).map(drop),
+        Some(RunEnd::Time(end)) => whole_steps(start, end, h).map(drop),
         _ if steps == 0 => wrong("a multilevel run without a step: take a later end"),
         _ => Ok(()),
     }

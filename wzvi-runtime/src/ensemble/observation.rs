@@ -2,23 +2,23 @@
 
 use super::crossings::PathCrossings;
 use super::group::Group;
-use super::job::{Job, OwnWork};
-use super::pace::Pace;
+use super::job::{EnsembleJob, OwnWork};
 use super::starts::Systems;
+use super::stop_poll::StopPoll;
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::error::StoppedError;
-use crate::path::Error;
-use crate::path::recording::Recorded;
-use crate::path::steps::Advance;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
 use crate::statistics::{PathFailure, Seen, Statistics};
+use crate::trajectory::Error;
+use crate::trajectory::recording::RecordedTime;
+use crate::trajectory::steps::Advance;
 
 /// Collects the statistics of one group of paths after the other.
 pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
-    job: &'j Job<'a, H, E>,
+    job: &'j EnsembleJob<'a, H, E>,
     pub(super) statistics: Statistics,
-    pace: Pace<'j>,
+    pace: StopPoll<'j>,
     /// The last node that was looked at, and which of the recorded ones comes next.
     seen: u64,
     next: usize,
@@ -39,20 +39,20 @@ struct LaneInside<V> {
 }
 
 impl<V: Vector> LaneInside<V> {
-    fn new<H: Discretized<E, Vector = V>, E>(job: &Job<'_, H, E>) -> Self {
+    fn new<H: Discretized<E, Vector = V>, E>(job: &EnsembleJob<'_, H, E>) -> Self {
         let start = &job.start;
         Self { before: start.clone(), dense: DenseOutput::of(start), room: start.clone() }
     }
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> {
-    pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
+    pub(super) fn new(job: &'j EnsembleJob<'a, H, E>) -> Self {
         let lanes = if job.looks_between() { L } else { 0 };
         let crossings = if job.crossed().next().is_some() { L } else { 0 };
         Self {
             job,
             statistics: job.empty.clone(),
-            pace: Pace::new(job.stop),
+            pace: StopPoll::new(job.stop),
             seen: 0,
             next: 0,
             crossings: (0..crossings).map(|_| PathCrossings::new(job)).collect(),
@@ -119,7 +119,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     fn record_at<P: Systems>(
         &mut self,
         group: &mut Group<'_, '_, H, E, P, L>,
-        &Recorded { node, t, is_inside }: &Recorded,
+        &RecordedTime { node, t, is_inside }: &RecordedTime,
     ) -> Result<(), Error> {
         let (job, place) = (self.job, self.next);
         for lane in 0..L {
@@ -198,7 +198,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn next(&self, node: u64) -> u64 {
+    fn next_node(&self, node: u64) -> u64 {
         let Observation { job, next, pace, crossings, .. } = &*self.1;
         let recorded = job.recorded.get(*next).map_or(u64::MAX, |recorded| {
             // Both nodes of a step that is looked into.
@@ -209,7 +209,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look(&mut self, node: u64) -> Result<(), Error> {
+    fn at_node(&mut self, node: u64) -> Result<(), Error> {
         let (group, observation) = self;
         observation.work(node - observation.seen, node)?;
         observation.seen = node;

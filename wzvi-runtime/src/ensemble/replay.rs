@@ -5,13 +5,13 @@ use super::group::Group;
 use super::starts::Systems;
 use crate::error::wrong;
 use crate::increments::Noise;
-use crate::path::Error;
-use crate::path::between::{Between, Part};
-use crate::path::simulate::Partial;
-use crate::path::step::StepInfo;
-use crate::path::trajectory::Recorder;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
+use crate::trajectory::Error;
+use crate::trajectory::between::{BetweenNodes, StepPart};
+use crate::trajectory::recorded::Recorder;
+use crate::trajectory::simulate::Partial;
+use crate::trajectory::step::StepInfo;
 
 impl<H, E, N, P> Ensemble<'_, H, E, N, P>
 where
@@ -50,7 +50,7 @@ where
         let mut group = Group::<H, E, P, 2>::new(&job, None);
         group.begin(first, job.paths)?;
         let looks_inside = !job.sections.is_empty() || !recording.between.is_empty();
-        let mut looks = looks_inside.then(|| Between::new(&job.sections, &start));
+        let mut looks = looks_inside.then(|| BetweenNodes::new(&job.sections, &start));
         // The state at the last node.
         let (mut dense, mut reached) = (DenseOutput::of(&start), start);
         let taken = (1..=job.steps).try_for_each(|node| {
@@ -64,7 +64,11 @@ where
                 let mut later = group.increments_of(lane, node - 1).to_vec();
                 group.look_inside(lane, node, &reached, &mut dense, &mut |dense, dw, is_last| {
                     later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
-                    looks.look(dense, &Part { step: node - 1, dw, later: &later, is_last }, &mut recorder);
+                    looks.search(
+                        dense,
+                        &StepPart { step: node - 1, dw, later: &later, is_last },
+                        &mut recorder,
+                    );
                 })?;
             }
             reached.clone_from(group.state_at(lane, node));

@@ -8,20 +8,20 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use crate::algebra::threads::together;
+use crate::algebra::threads::with_threads;
 
 #[cfg(feature = "mpi")]
 pub(crate) use queue::PATIENCE;
-pub(crate) use queue::{Pace, Queue};
+pub(crate) use queue::{Queue, WorkerSpeed};
 
 /// A queue of blocks that several threads work on.
-pub(crate) struct Shared<T> {
+pub(crate) struct SharedQueue<T> {
     queue: Mutex<Queue<T>>,
     /// Something was taken, has arrived, or is stopped.
     changed: Condvar,
 }
 
-impl<T> Shared<T> {
+impl<T> SharedQueue<T> {
     pub(crate) fn new(queue: Queue<T>) -> Self {
         Self { queue: Mutex::new(queue), changed: Condvar::new() }
     }
@@ -42,10 +42,10 @@ impl<T> Shared<T> {
     }
 
     /// The next block, as soon as it may be begun; `None` if there is none.
-    fn next(&self) -> Option<u64> {
+    fn next_block(&self) -> Option<u64> {
         let mut queue = self.queue();
         loop {
-            match queue.assign(&Pace::SINGLE) {
+            match queue.assign(&WorkerSpeed::SINGLE) {
                 Some(block) => return Some(block.start),
                 None if queue.has_begun_all() => return None,
                 None => queue = self.changed.wait(queue).unwrap_or_else(PoisonError::into_inner),
@@ -62,7 +62,7 @@ impl<T> Shared<T> {
 }
 
 /// Lets no thread wait for one that has panicked.
-pub(crate) struct StopOnPanic<'s, T>(pub(crate) &'s Shared<T>);
+pub(crate) struct StopOnPanic<'s, T>(pub(crate) &'s SharedQueue<T>);
 
 impl<T> Drop for StopOnPanic<'_, T> {
     fn drop(&mut self) {
@@ -83,24 +83,24 @@ pub(crate) fn in_order<T: Send>(
     take: impl FnMut(u64, T) -> ControlFlow<()> + Send,
 ) {
     let others = (threads as u64).min(blocks.end.saturating_sub(blocks.start)).saturating_sub(1);
-    let (shared, take) = (Shared::new(Queue::new(blocks, threads)), Mutex::new(take));
+    let (shared, take) = (SharedQueue::new(Queue::new(blocks, threads)), Mutex::new(take));
     let run = || {
         let _stop = StopOnPanic(&shared);
-        while let Some(number) = shared.next() {
+        while let Some(number) = shared.next_block() {
             let result = work(number);
             shared.queue().arrive(number, vec![result], Duration::ZERO);
             take_what_is_next(&shared, &take);
         }
     };
-    together(others as usize, &run);
+    with_threads(others as usize, &run);
 }
 
 /// Gives to `take` what has arrived in order. While one thread is at it, others wait: none runs ahead of
 /// `take`.
-fn take_what_is_next<T>(shared: &Shared<T>, take: &Mutex<impl FnMut(u64, T) -> ControlFlow<()>>) {
+fn take_what_is_next<T>(shared: &SharedQueue<T>, take: &Mutex<impl FnMut(u64, T) -> ControlFlow<()>>) {
     let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
     loop {
-        let Some((first, results)) = shared.queue().take() else { break };
+        let Some((first, results)) = shared.queue().pop_batch() else { break };
         for (number, result) in (first..).zip(results) {
             if take(number, result).is_break() {
                 shared.queue().stop();

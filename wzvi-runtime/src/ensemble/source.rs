@@ -4,18 +4,18 @@
 use crate::error::wrong;
 use crate::increments::{Identity, Interval};
 use crate::noise::{Driver, Paths, StepNormals, Truncation};
-use crate::path::Error;
 use crate::scheme::plan::Plan;
+use crate::trajectory::Error;
 
 /// Where the increments of an ensemble come from.
-pub(super) struct Source<'a> {
+pub(super) struct NoiseSource<'a> {
     /// Queried path by path.
     noise: Box<dyn Driver + 'a>,
     /// The same noise, if lanes draw it.
     pub(super) normals: Option<StepNormals>,
 }
 
-impl<'a> Source<'a> {
+impl<'a> NoiseSource<'a> {
     pub(super) fn new(noise: impl Paths + Clone + Send + Sync + 'a) -> Self {
         Self { normals: noise.step_normals(), noise: Box::new(noise) }
     }
@@ -23,12 +23,12 @@ impl<'a> Source<'a> {
     /// With what the builder says of it, and ready for a run of so many steps from `first` on.
     pub(super) fn prepared(
         self,
-        settings: Settings,
+        settings: NormalSettings,
         plan: &Plan,
         first: Interval,
         (processes, steps): (usize, u64),
     ) -> Result<Self, Error> {
-        let Settings { truncation, is_antithetic } = settings;
+        let NormalSettings { truncation, is_antithetic } = settings;
         let mut noise = self.noise;
         match self.normals {
             Some(normals) => {
@@ -61,7 +61,7 @@ impl<'a> Source<'a> {
         Ok(Self { normals: noise.step_normals(), noise })
     }
 
-    /// The noise of one path, which drives a [`Simulation`](crate::path::simulate::Simulation) just so.
+    /// The noise of one path, which drives a [`Simulation`](crate::trajectory::simulate::Simulation) just so.
     pub(super) fn path(&self, path: u64) -> Box<dyn Paths + '_> {
         let mut noise = self.noise.copy();
         noise.set_path(path);
@@ -101,7 +101,7 @@ impl<'a> Source<'a> {
 
 /// The settings of normals.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Settings {
+pub(super) struct NormalSettings {
     pub(super) truncation: Truncation,
     pub(super) is_antithetic: bool,
 }

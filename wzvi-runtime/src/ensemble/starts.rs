@@ -46,14 +46,14 @@ impl Systems for SystemByPath {
 
 /// What is drawn: starts and systems are independent.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Drawn {
+pub(super) enum DrawPurpose {
     Start,
     System,
 }
 
 impl<T: Clone> ByPath<'_, T> {
     /// The value of a path; `None` beyond the end of a list.
-    pub(super) fn of(&self, drawn: Drawn, seed: u64, path: u64) -> Option<T> {
+    pub(super) fn of(&self, drawn: DrawPurpose, seed: u64, path: u64) -> Option<T> {
         match self {
             Self::Listed(list) => usize::try_from(path).ok().and_then(|path| list.get(path)).cloned(),
             Self::Drawn(sampler) => Some(sampler(&mut Draw::new(drawn, seed, path))),
@@ -74,7 +74,7 @@ impl<T> ByPath<'_, T> {
     ///
     /// # Errors
     /// If there is no memory for them.
-    pub(super) fn into_list(self, drawn: Drawn, seed: u64, paths: u64) -> Result<Vec<T>, ConfigError> {
+    pub(super) fn into_list(self, drawn: DrawPurpose, seed: u64, paths: u64) -> Result<Vec<T>, ConfigError> {
         match self {
             Self::Listed(list) => Ok(list),
             Self::Drawn(sampler) => {
@@ -171,7 +171,7 @@ const VERSION: u32 = 0x8000_0003;
 const TRIPLES: u64 = 5;
 
 impl Draw {
-    fn new(drawn: Drawn, seed: u64, path: u64) -> Self {
+    fn new(drawn: DrawPurpose, seed: u64, path: u64) -> Self {
         let key = [seed as u32, (seed >> 32) as u32, drawn as u32, 0, 0, 0, VERSION, 0];
         Self { key, path, used: 0, block: [0; 16], spare: None }
     }
@@ -213,7 +213,7 @@ impl Draw {
 
 #[cfg(test)]
 mod tests {
-    use super::{Draw, Drawn};
+    use super::{Draw, DrawPurpose};
     use crate::noise::step_normals;
 
     /// 20 000 of each: mean and variance of both distributions within five standard errors; no two paths or
@@ -222,7 +222,7 @@ mod tests {
     fn draws_have_their_distributions() {
         let n = 20_000;
         let sample = |draw: fn(&mut Draw) -> f64, seed, path| {
-            let mut generator = Draw::new(Drawn::Start, seed, path);
+            let mut generator = Draw::new(DrawPurpose::Start, seed, path);
             (0..n).map(|_| draw(&mut generator)).collect::<Vec<f64>>()
         };
         let count = f64::from(n);
@@ -250,6 +250,6 @@ mod tests {
     /// Keys of increments differ from those of starts, whatever seed, process, step size and level.
     #[test]
     fn starts_have_a_key_of_their_own() {
-        assert_ne!(Draw::new(Drawn::System, 1, 0).key[6], step_normals::key(1, 0, 0.1, 0)[6]);
+        assert_ne!(Draw::new(DrawPurpose::System, 1, 0).key[6], step_normals::key(1, 0, 0.1, 0)[6]);
     }
 }

@@ -1,6 +1,6 @@
 //! What is wrong with friction, temperature or masses.
 
-use crate::ground::digits::Brief;
+use crate::ground::digits::ShortestDecimal;
 
 /// Why a system has no Langevin equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,9 +51,9 @@ messages! { BathError:
     Self::Temperature { temperature, degree, t } =>
         "the temperature{}{} is {}; it must be finite and not negative",
         degree.map(|degree| format!(" of degree of freedom {degree} (from 0)")).unwrap_or_default(),
-        t.map(|t| format!(" at t = {}", Brief(t))).unwrap_or_default(), Brief(*temperature);
+        t.map(|t| format!(" at t = {}", ShortestDecimal(t))).unwrap_or_default(), ShortestDecimal(*temperature);
     Self::Friction { rate } =>
-        "the friction has the rate {}; it must be finite and not negative", Brief(*rate);
+        "the friction has the rate {}; it must be finite and not negative", ShortestDecimal(*rate);
     Self::Asymmetric { entry: [i, j] } =>
         "the damping matrix is not symmetric at row {i}, column {j} (from 0)";
     Self::Coupled { entry: [i, j] } =>
@@ -61,12 +61,12 @@ messages! { BathError:
          take a diagonal matrix, or one temperature";
     Self::Mass { degree, inverse } =>
         "degree of freedom {degree} (from 0) has friction, but its inverse mass is {}; it must be positive",
-        Brief(*inverse);
+        ShortestDecimal(*inverse);
     Self::Masses =>
         "the system has friction, but the masses of its kinetic energy are not a positive definite matrix";
     Self::Rates => "`GjI` needs one rate of friction for all degrees of freedom; use `Gjf` for different rates";
     Self::Backwards { h } =>
-        "the step size is {}: a system with friction cannot run backwards in time; take a positive one", Brief(*h);
+        "the step size is {}: a system with friction cannot run backwards in time; take a positive one", ShortestDecimal(*h);
 }
 
 impl BathError {

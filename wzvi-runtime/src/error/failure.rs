@@ -39,8 +39,8 @@ pub enum StepFailure {
     },
     /// The state is finite, and its energy is not a number: a step left the domain of `H`.
     UndefinedEnergy,
-    /// Only in [derivatives](crate::path::simulate::Simulation::tangent): dual numbers solve each step anew,
-    /// and found another solution than the step, or did not come back to its start.
+    /// Only in [derivatives](crate::trajectory::simulate::Simulation::tangent): dual numbers solve each step
+    /// anew, and found another solution than the step, or did not come back to its start.
     OtherSolution {
         /// The difference between the two relative to the length of the step, largest component.
         apart: f64,

@@ -25,7 +25,7 @@ impl InternalError {
 /// What a step relies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepPromise {
-    /// A system whose steps go window by window has windows.
+    /// A system whose steps go tile by tile has tiles.
     Windows,
     /// Friction and noise are taken together with the drifts around them only where rates and masses are
     /// lists.
@@ -41,7 +41,7 @@ impl StepPromise {
 }
 
 messages! { StepPromise:
-    Self::Windows => "a system whose steps go window by window has windows";
+    Self::Windows => "a system whose steps go tile by tile has tiles";
     Self::ListedRates => "friction and noise are taken together with drifts only where rates and masses are lists";
     Self::PlainConstants => "the constants of a step have derivatives only where its scheme takes them along";
     Self::Bath => "friction and noise of a bath are parts of steps with a bath";

@@ -1,6 +1,6 @@
 //! What can be wrong with a noise.
 
-use crate::ground::digits::Brief;
+use crate::ground::digits::ShortestDecimal;
 
 /// The reason why a source has no increments.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,14 +59,14 @@ pub enum NoiseError {
 
 messages! { NoiseError:
     Self::Time { t, limit } =>
-        "there is no noise at t = {}: times must be finite and less than {limit:.1e} from zero", Brief(*t);
-    Self::StepSize(h) => "the step size is {}; it must be finite and not zero", Brief(*h);
+        "there is no noise at t = {}: times must be finite and less than {limit:.1e} from zero", ShortestDecimal(*t);
+    Self::StepSize(h) => "the step size is {}; it must be finite and not zero", ShortestDecimal(*h);
     Self::Window(eps) =>
-        "the width of the Wong-Zakai window is {}; it must be finite and positive", Brief(*eps);
-    Self::Unit(unit) => "the unit of time is {}; it must be finite and positive", Brief(*unit);
+        "the width of the Wong-Zakai window is {}; it must be finite and positive", ShortestDecimal(*eps);
+    Self::Unit(unit) => "the unit of time is {}; it must be finite and positive", ShortestDecimal(*unit);
     Self::Truncation(k) =>
         "the truncation parameter is {}; it must be finite and at least 1 (take twice the strong order or more)",
-        Brief(*k);
+        ShortestDecimal(*k);
     Self::Exhausted { step, available } =>
         "step {step} has no increments: {available} steps were given; give more or end earlier";
     Self::Processes { expected, got } =>

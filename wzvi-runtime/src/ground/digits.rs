@@ -3,9 +3,9 @@
 use std::fmt;
 
 /// A number to its last digit, with a power of ten where it would have many zeros.
-pub(crate) struct Brief(pub(crate) f64);
+pub(crate) struct ShortestDecimal(pub(crate) f64);
 
-impl fmt::Display for Brief {
+impl fmt::Display for ShortestDecimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = self.0.abs();
         // As `Debug` of numbers, but for a whole number's `.0`.
@@ -19,9 +19,9 @@ impl fmt::Display for Brief {
 
 /// A time or a size that was computed: by 15 digits where these are within two roundings of it, as 0.9 for
 /// `3.0 * 0.3`.
-pub(crate) fn computed(x: f64) -> Brief {
+pub(crate) fn computed(x: f64) -> ShortestDecimal {
     let short = format!("{x:.14e}").parse().unwrap_or(x);
-    Brief(if (short - x).abs() <= 2.0 * f64::EPSILON * x.abs() { short } else { x })
+    ShortestDecimal(if (short - x).abs() <= 2.0 * f64::EPSILON * x.abs() { short } else { x })
 }
 
 /// Digits of a number that are written one by one up to the first uncertain one.

@@ -12,12 +12,12 @@ pub(crate) struct Due {
     /// The last node of the run, at which it is always due.
     end: u64,
     every: Option<u64>,
-    clock: Option<Clock>,
+    clock: Option<PollTimer>,
 }
 
 /// Looks at the time now and then: asking for it takes as long as a short step.
 #[derive(Debug)]
-struct Clock {
+struct PollTimer {
     interval: Duration,
     done: Instant,
     looked: Instant,
@@ -31,7 +31,7 @@ impl Due {
     pub(crate) fn new(every: Option<u64>, interval: Option<Duration>, first: u64, end: u64) -> Self {
         let clock = interval.and_then(|interval| {
             let now = clock::now()?;
-            Some(Clock { interval, done: now, looked: now, stride: 1 })
+            Some(PollTimer { interval, done: now, looked: now, stride: 1 })
         });
         let mut due = Self { next: first, end, every, clock };
         due.plan(first);
@@ -40,7 +40,7 @@ impl Due {
 
     /// The next node to ask about.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn next(&self) -> u64 {
+    pub(crate) fn next_node(&self) -> u64 {
         self.next
     }
 
@@ -53,7 +53,7 @@ impl Due {
     #[cold]
     #[inline(never)]
     fn consider(&mut self, node: u64) -> bool {
-        let is_time = self.clock.as_mut().is_some_and(Clock::look);
+        let is_time = self.clock.as_mut().is_some_and(PollTimer::poll);
         let is_step = self.every.is_some_and(|every| node.is_multiple_of(every));
         self.plan(node);
         is_time || is_step || node == self.end
@@ -74,10 +74,10 @@ impl Due {
     }
 }
 
-impl Clock {
+impl PollTimer {
     /// Whether it is time, and how many steps later to look again: about a hundred looks per interval, and
     /// ten per second.
-    fn look(&mut self) -> bool {
+    fn poll(&mut self) -> bool {
         let Some(now) = clock::now() else { return false };
         let wanted = (self.interval / 100).min(Duration::from_millis(100));
         let ratio = wanted.as_secs_f64() / now.duration_since(self.looked).as_secs_f64().max(1e-9);

@@ -14,8 +14,8 @@
 //! ```
 //!
 //! A stopped run keeps its results so far, and writes its checkpoint, if it has one.
-//! [`run_partial`](crate::path::simulate::Simulation::run_partial) of a single path returns the path with
-//! `Error::Stopped`; averages, ensembles and multilevel runs return their results, marked as partial.
+//! [`run_partial`](crate::trajectory::simulate::Simulation::run_partial) of a single path returns the path
+//! with `Error::Stopped`; averages, ensembles and multilevel runs return their results, marked as partial.
 //!
 //! Tested by `tests/ensembles/control.rs`.
 
@@ -34,10 +34,10 @@ pub struct Progress {
 
 /// Stops runs from any thread, and knows their progress. A clone is the same handle.
 #[derive(Clone, Default)]
-pub struct Handle(Arc<Shared>);
+pub struct Handle(Arc<HandleState>);
 
 #[derive(Default)]
-pub(super) struct Shared {
+pub(super) struct HandleState {
     pub(super) is_stopped: AtomicBool,
     /// Whether Ctrl-C stops the runs.
     hears_interrupt: AtomicBool,
@@ -62,7 +62,7 @@ impl Handle {
 
     /// A handle whose runs call `report` about ten times a second, from one of their threads.
     pub fn reporting(report: impl Fn(Progress) + Send + Sync + 'static) -> Self {
-        Self(Arc::new(Shared { report: Some(Box::new(report)), ..Shared::default() }))
+        Self(Arc::new(HandleState { report: Some(Box::new(report)), ..HandleState::default() }))
     }
 
     /// Lets Ctrl-C stop the runs of this handle instead of ending the program; a second Ctrl-C ends it. A

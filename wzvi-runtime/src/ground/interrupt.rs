@@ -5,13 +5,13 @@
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, Once, PoisonError, Weak};
 
-use super::handle::Shared;
+use super::handle::HandleState;
 
-static WATCHED: Mutex<Vec<Weak<Shared>>> = Mutex::new(Vec::new());
+static WATCHED: Mutex<Vec<Weak<HandleState>>> = Mutex::new(Vec::new());
 static HANDLER: Once = Once::new();
 
 /// Ctrl-C stops the runs of a handle as long as the handle lives.
-pub(super) fn watch(handle: &Arc<Shared>) {
+pub(super) fn watch(handle: &Arc<HandleState>) {
     // A program with a handler of its own keeps it.
     HANDLER.call_once(|| drop(ctrlc::try_set_handler(on_interrupt)));
     WATCHED.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::downgrade(handle));

@@ -10,9 +10,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A number that may be NaN or infinite.
 #[derive(Clone, Copy)]
-struct Loose(f64);
+struct ExtendedNumber(f64);
 
-impl Serialize for Loose {
+impl Serialize for ExtendedNumber {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.0 {
             value if value.is_finite() || !serializer.is_human_readable() => serializer.serialize_f64(value),
@@ -21,7 +21,7 @@ impl Serialize for Loose {
     }
 }
 
-impl<'de> Deserialize<'de> for Loose {
+impl<'de> Deserialize<'de> for ExtendedNumber {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         match deserializer.is_human_readable() {
             true => deserializer.deserialize_any(NumberOrText),
@@ -33,33 +33,33 @@ impl<'de> Deserialize<'de> for Loose {
 struct NumberOrText;
 
 impl Visitor<'_> for NumberOrText {
-    type Value = Loose;
+    type Value = ExtendedNumber;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a number, \"NaN\", \"inf\" or \"-inf\"")
     }
 
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Loose, E> {
-        Ok(Loose(value))
+    fn visit_f64<E: Error>(self, value: f64) -> Result<ExtendedNumber, E> {
+        Ok(ExtendedNumber(value))
     }
 
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Loose, E> {
-        Ok(Loose(value as f64))
+    fn visit_i64<E: Error>(self, value: i64) -> Result<ExtendedNumber, E> {
+        Ok(ExtendedNumber(value as f64))
     }
 
-    fn visit_u64<E: Error>(self, value: u64) -> Result<Loose, E> {
-        Ok(Loose(value as f64))
+    fn visit_u64<E: Error>(self, value: u64) -> Result<ExtendedNumber, E> {
+        Ok(ExtendedNumber(value as f64))
     }
 
-    fn visit_unit<E: Error>(self) -> Result<Loose, E> {
-        Ok(Loose(f64::NAN))
+    fn visit_unit<E: Error>(self) -> Result<ExtendedNumber, E> {
+        Ok(ExtendedNumber(f64::NAN))
     }
 
-    fn visit_str<E: Error>(self, text: &str) -> Result<Loose, E> {
+    fn visit_str<E: Error>(self, text: &str) -> Result<ExtendedNumber, E> {
         match text {
-            "NaN" => Ok(Loose(f64::NAN)),
-            "inf" => Ok(Loose(f64::INFINITY)),
-            "-inf" => Ok(Loose(f64::NEG_INFINITY)),
+            "NaN" => Ok(ExtendedNumber(f64::NAN)),
+            "inf" => Ok(ExtendedNumber(f64::INFINITY)),
+            "-inf" => Ok(ExtendedNumber(f64::NEG_INFINITY)),
             _ => Err(E::invalid_value(serde::de::Unexpected::Str(text), &self)),
         }
     }
@@ -67,45 +67,46 @@ impl Visitor<'_> for NumberOrText {
 
 /// One number: `#[serde(with = "loose::number")]`.
 pub(crate) mod number {
-    use super::{Deserialize, Deserializer, Loose, Serialize, Serializer};
+    use super::{Deserialize, Deserializer, ExtendedNumber, Serialize, Serializer};
 
     pub(crate) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-        Loose(*value).serialize(serializer)
+        ExtendedNumber(*value).serialize(serializer)
     }
 
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-        Loose::deserialize(deserializer).map(|Loose(value)| value)
+        ExtendedNumber::deserialize(deserializer).map(|ExtendedNumber(value)| value)
     }
 }
 
 /// A number that may be absent: `#[serde(with = "loose::option")]`. In a format for people `null` is an
 /// absent one.
 pub(crate) mod option {
-    use super::{Deserialize, Deserializer, Loose, Serialize, Serializer};
+    use super::{Deserialize, Deserializer, ExtendedNumber, Serialize, Serializer};
 
     pub(crate) fn serialize<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-        value.map(Loose).serialize(serializer)
+        value.map(ExtendedNumber).serialize(serializer)
     }
 
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
-        Option::<Loose>::deserialize(deserializer).map(|value| value.map(|Loose(value)| value))
+        Option::<ExtendedNumber>::deserialize(deserializer)
+            .map(|value| value.map(|ExtendedNumber(value)| value))
     }
 }
 
 /// Lists by name: `#[serde(with = "loose::lists")]`.
 pub(crate) mod lists {
-    use super::{Deserialize, Deserializer, Loose, Serializer};
+    use super::{Deserialize, Deserializer, ExtendedNumber, Serializer};
 
     type Lists = Vec<(String, Vec<f64>)>;
 
     pub(crate) fn serialize<S: Serializer>(lists: &Lists, serializer: S) -> Result<S::Ok, S::Error> {
-        let loose = |list: &[f64]| list.iter().copied().map(Loose).collect::<Vec<_>>();
+        let loose = |list: &[f64]| list.iter().copied().map(ExtendedNumber).collect::<Vec<_>>();
         serializer.collect_seq(lists.iter().map(|(name, list)| (name, loose(list))))
     }
 
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Lists, D::Error> {
-        let lists = Vec::<(String, Vec<Loose>)>::deserialize(deserializer)?;
-        let plain = |list: Vec<Loose>| list.into_iter().map(|Loose(value)| value).collect();
+        let lists = Vec::<(String, Vec<ExtendedNumber>)>::deserialize(deserializer)?;
+        let plain = |list: Vec<ExtendedNumber>| list.into_iter().map(|ExtendedNumber(value)| value).collect();
         Ok(lists.into_iter().map(|(name, list)| (name, plain(list))).collect())
     }
 }

@@ -155,13 +155,13 @@ for_tuples!(tuples);
 /// A list of 64-bit words. A number is its bits, so that zeros keep their sign and NaN its payload.
 #[derive(Debug)]
 pub struct Tape {
-    way: Way,
+    way: TapeMode,
     /// If set, only this lane is recorded, as it would be alone, or replaced.
     lane: Option<usize>,
 }
 
 #[derive(Debug)]
-enum Way {
+enum TapeMode {
     /// Records what is passed.
     Writing(Vec<u64>),
     /// Replaces what is passed.
@@ -186,11 +186,11 @@ impl Tape {
     }
 
     fn recorded(lane: Option<usize>, pass: &mut dyn FnMut(&mut Self)) -> Vec<u64> {
-        let mut tape = Self { way: Way::Writing(Vec::new()), lane };
+        let mut tape = Self { way: TapeMode::Writing(Vec::new()), lane };
         pass(&mut tape);
         match tape.way {
-            Way::Writing(words) => words,
-            Way::Reading { lists, .. } => lists.into_iter().flatten().collect(),
+            TapeMode::Writing(words) => words,
+            TapeMode::Reading { lists, .. } => lists.into_iter().flatten().collect(),
         }
     }
 
@@ -212,17 +212,17 @@ impl Tape {
 
     fn replaced(lane: Option<usize>, lists: Vec<Vec<u64>>, pass: &mut dyn FnMut(&mut Self)) -> Option<()> {
         let lists = lists.into_iter().map(Vec::into_iter).collect();
-        let mut tape = Self { way: Way::Reading { lists, short: false }, lane };
+        let mut tape = Self { way: TapeMode::Reading { lists, short: false }, lane };
         pass(&mut tape);
-        let Way::Reading { lists, short } = tape.way else { return None };
+        let TapeMode::Reading { lists, short } = tape.way else { return None };
         (!short && lists.iter().all(|words| words.len() == 0)).then_some(())
     }
 
     /// Records or replaces a word.
     pub fn word(&mut self, word: &mut u64) {
         match &mut self.way {
-            Way::Writing(words) => words.push(*word),
-            Way::Reading { lists, short } => {
+            TapeMode::Writing(words) => words.push(*word),
+            TapeMode::Reading { lists, short } => {
                 // The other lanes keep theirs.
                 let is_own = |first: u64| self.lane.is_none() || first == *word;
                 let mut read = lists.iter_mut().map(Iterator::next);
@@ -261,8 +261,8 @@ impl Tape {
             None => list,
         };
         match &mut self.way {
-            Way::Writing(words) => words.extend(list.iter().map(write)),
-            Way::Reading { lists, short } => {
+            TapeMode::Writing(words) => words.extend(list.iter().map(write)),
+            TapeMode::Reading { lists, short } => {
                 let is_joined = lists.len() != 1;
                 *short |= is_joined && lists.len() != list.len();
                 for (lane, entry) in list.iter_mut().enumerate() {
@@ -293,8 +293,8 @@ impl Tape {
     /// The number of words that were recorded, or that are left to read.
     fn position(&self) -> usize {
         match &self.way {
-            Way::Writing(words) => words.len(),
-            Way::Reading { lists, .. } => lists.first().map_or(0, ExactSizeIterator::len),
+            TapeMode::Writing(words) => words.len(),
+            TapeMode::Reading { lists, .. } => lists.first().map_or(0, ExactSizeIterator::len),
         }
     }
 
@@ -302,7 +302,7 @@ impl Tape {
     pub fn length(&mut self, length: usize) -> usize {
         let mut word = length as u64;
         self.word(&mut word);
-        let Way::Reading { lists, short } = &mut self.way else { return length };
+        let TapeMode::Reading { lists, short } = &mut self.way else { return length };
         let left = lists.iter().map(ExactSizeIterator::len).min().unwrap_or(0);
         let read = usize::try_from(word).ok().filter(|&read| read <= left);
         *short |= read.is_none();
@@ -311,7 +311,7 @@ impl Tape {
 
     /// Whether the tape replaces what is passed.
     pub fn is_reading(&self) -> bool {
-        matches!(self.way, Way::Reading { .. })
+        matches!(self.way, TapeMode::Reading { .. })
     }
 
     /// Whether the tape replaces what is passed in all lanes.
@@ -321,7 +321,7 @@ impl Tape {
 
     /// Marks what was read as inconsistent: reading then fails.
     pub fn refuse(&mut self) {
-        if let Way::Reading { short, .. } = &mut self.way {
+        if let TapeMode::Reading { short, .. } = &mut self.way {
             *short = true;
         }
     }
@@ -367,8 +367,8 @@ impl Tape {
 #[cfg(test)]
 mod tests {
     use super::{Numbers, Tape};
-    use crate::algebra::carry::{Carry, Compensation};
     use crate::algebra::solve::Extrapolation;
+    use crate::algebra::state_sum::{FixedCompensatedSum, StateSum};
 
     fn words(value: &mut impl Numbers) -> Vec<u64> {
         Tape::write(|tape| value.pass(tape))
@@ -384,7 +384,8 @@ mod tests {
 
     #[test]
     fn numbers_make_an_equal_value() {
-        let (mut memory, mut carry) = (Extrapolation::<f64, 2>::default(), Compensation::<f64, 1>::default());
+        let (mut memory, mut carry) =
+            (Extrapolation::<f64, 2>::default(), FixedCompensatedSum::<f64, 1>::default());
         for n in 0..4 {
             let copy = copied((memory, (carry, vec![0.5; n])), Default::default());
             assert_eq!(copy.0.guess::<true>(), memory.guess::<true>());

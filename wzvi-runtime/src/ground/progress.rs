@@ -22,11 +22,11 @@ pub(crate) struct ProgressLine {
     /// When the handle's function was called.
     reported: Option<Instant>,
     /// `None` without a terminal or without a clock.
-    watch: Option<Watch>,
+    watch: Option<ProgressTimer>,
     is_shown: bool,
 }
 
-struct Watch {
+struct ProgressTimer {
     began: Instant,
     /// The last look at the line.
     looked: Instant,
@@ -37,7 +37,7 @@ impl ProgressLine {
     pub(crate) fn new(unit: &'static str, is_quiet: bool, handle: Option<Handle>) -> Self {
         let is_silent = is_quiet || !stderr().is_terminal();
         let now = if is_silent { None } else { clock::now() };
-        let watch = now.map(|now| Watch { began: now, looked: now, wait: PATIENCE });
+        let watch = now.map(|now| ProgressTimer { began: now, looked: now, wait: PATIENCE });
         Self { unit, handle, reported: None, watch, is_shown: false }
     }
 
@@ -95,12 +95,12 @@ impl<'k> StepsShown<'k> {
 
     /// The next node to look at.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn next(&self) -> u64 {
-        self.line.as_ref().map_or(u64::MAX, |(_, due)| due.next())
+    pub(crate) fn next_node(&self) -> u64 {
+        self.line.as_ref().map_or(u64::MAX, |(_, due)| due.next_node())
     }
 
     /// The run has reached a node; whether its handle or a function wants it to stop there.
-    pub(crate) fn look(&mut self, node: u64) -> bool {
+    pub(crate) fn at_node(&mut self, node: u64) -> bool {
         let Self { line: Some((progress, due)), stop, .. } = self else { return false };
         if !due.is_due(node) {
             return false;

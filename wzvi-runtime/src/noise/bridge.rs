@@ -36,13 +36,13 @@ impl BridgeInterval {
 
 /// Scales of an interval: its length and powers of it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Scale {
+pub(super) struct IntervalScale {
     pub(super) length: f64,
     root: f64,
     inverse: f64,
 }
 
-impl Scale {
+impl IntervalScale {
     pub(super) fn new(length: f64) -> Self {
         Self { length, root: length.sqrt(), inverse: 1.0 / length }
     }
@@ -82,7 +82,7 @@ impl Cut {
     pub(super) fn apply(
         &self,
         whole: BridgeInterval,
-        page: &Scale,
+        page: &IntervalScale,
         [n1, n2]: [f64; 2],
     ) -> [BridgeInterval; 2] {
         let x = self.lean * page.inverse * whole.area + self.height * page.root * n1;
@@ -97,13 +97,13 @@ impl Cut {
 
 /// `W(b) - W(a)`, `int_a^b (W(s) - W(a)) ds` and `b - a`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
+pub(super) struct PathIncrement {
     pub(super) w: f64,
     pub(super) integral: f64,
     pub(super) length: f64,
 }
 
-impl Span {
+impl PathIncrement {
     /// The increment over an empty interval.
     pub(super) const EMPTY: Self = Self { w: 0.0, integral: 0.0, length: 0.0 };
 

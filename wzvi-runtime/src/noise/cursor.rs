@@ -9,15 +9,15 @@
 //!
 //! Tested by `wzvi-runtime/tests/runtime/noise_path.rs`.
 
-use super::bridge::{BridgeInterval, Scale, Span};
-use super::grid::{self, DEPTH, GridTime, NODES, Parting};
-use super::stream::{Address, PAIRS, Source, Words};
+use super::bridge::{BridgeInterval, IntervalScale, PathIncrement};
+use super::grid::{self, DEPTH, GridTime, NODES, SeparatingCut};
+use super::stream::{PAIRS, PageAddress, ProcessId, Words};
 
 /// One cell of a grid and the cuts inside it that were needed.
 #[derive(Clone, Debug)]
 struct Page {
-    address: Address,
-    scale: Scale,
+    address: PageAddress,
+    scale: IntervalScale,
     words: Words,
     nodes: [BridgeInterval; NODES],
     /// Bit `i` is set once node `i` has been cut.
@@ -25,16 +25,16 @@ struct Page {
 }
 
 impl Page {
-    fn load(&mut self, source: &Source, address: Address, length: f64, root: BridgeInterval) {
+    fn load(&mut self, source: &ProcessId, address: PageAddress, length: f64, root: BridgeInterval) {
         self.words.fill(source, &address);
         self.address = address;
-        self.scale = Scale::new(length);
+        self.scale = IntervalScale::new(length);
         self.nodes[0] = root;
         self.cut = 0;
     }
 
     #[inline]
-    fn cut(&mut self, index: usize, branch: &grid::Branch) {
+    fn cut(&mut self, index: usize, branch: &grid::PageNode) {
         if self.cut & (1 << index) == 0 {
             let normals = self.words.normals(usize::from(branch.pair));
             let left = usize::from(branch.left);
@@ -47,7 +47,7 @@ impl Page {
 
 /// An interval passed in the descent to a time.
 #[derive(Clone, Copy, Debug)]
-struct Turn {
+struct DescentStep {
     /// Whether the turn was to the right, so that the interval lies before the time.
     right: bool,
     node: BridgeInterval,
@@ -57,23 +57,23 @@ struct Turn {
 /// The descent to a time in the tree of one process.
 #[derive(Clone, Debug)]
 pub(super) struct Cursor {
-    source: Source,
+    source: ProcessId,
     pages: Vec<Page>,
     /// Whole octaves, on both sides of zero.
     octaves: [Vec<Option<BridgeInterval>>; 2],
     point: GridTime,
-    turns: Vec<Turn>,
+    turns: Vec<DescentStep>,
     /// Number of turns before each page.
     starts: [u8; DEPTH + 1],
     /// The interval that starts at the time.
-    last: Turn,
+    last: DescentStep,
 }
 
 /// Enough for any time: at most 47 halvings, and five cuts for each of ten pages.
 const TURNS: usize = 104;
 
 impl Cursor {
-    pub(super) fn new(source: Source) -> Self {
+    pub(super) fn new(source: ProcessId) -> Self {
         let mut cursor = Self {
             source,
             pages: Vec::with_capacity(4),
@@ -81,7 +81,7 @@ impl Cursor {
             point: GridTime::ZERO,
             turns: Vec::with_capacity(TURNS),
             starts: [0; DEPTH + 1],
-            last: Turn { right: false, node: BridgeInterval::default(), length: 1.0 },
+            last: DescentStep { right: false, node: BridgeInterval::default(), length: 1.0 },
         };
         cursor.descend(&GridTime::ZERO, 0);
         cursor
@@ -99,20 +99,20 @@ impl Cursor {
 
     /// Goes to a point and measures the interval in between, as time goes forward.
     #[inline]
-    pub(super) fn advance(&mut self, to: &GridTime) -> Span {
+    pub(super) fn increment_to(&mut self, to: &GridTime) -> PathIncrement {
         let from = self.point;
         if from == *to {
-            return Span::EMPTY;
+            return PathIncrement::EMPTY;
         }
         if from.negative != to.negative {
             let before = self.since_zero();
             self.descend(to, 0);
             return across(before, self.since_zero(), to.negative);
         }
-        let parting = Parting::new(&from, to);
+        let parting = SeparatingCut::new(&from, to);
         let outward = to.beyond(&from);
         let behind = self.side(&parting, outward);
-        self.descend(to, if let Parting::Page { page, .. } = parting { page } else { 0 });
+        self.descend(to, if let SeparatingCut::Page { page, .. } = parting { page } else { 0 });
         let ahead = self.side(&parting, !outward);
         self.join(&from, behind, ahead, outward)
     }
@@ -121,8 +121,8 @@ impl Cursor {
     #[inline]
     pub(super) fn seek(&mut self, to: &GridTime) {
         if self.point != *to {
-            let page = match Parting::new(&self.point, to) {
-                Parting::Page { page, .. } if self.point.negative == to.negative => page,
+            let page = match SeparatingCut::new(&self.point, to) {
+                SeparatingCut::Page { page, .. } if self.point.negative == to.negative => page,
                 _ => 0,
             };
             self.descend(to, page);
@@ -130,52 +130,64 @@ impl Cursor {
     }
 
     /// Measures the interval between two cursors of one process, as time goes forward.
-    pub(super) fn between(&mut self, other: &mut Self) -> Span {
+    pub(super) fn between(&mut self, other: &mut Self) -> PathIncrement {
         let (from, to) = (self.point, other.point);
         if from == to {
-            return Span::EMPTY;
+            return PathIncrement::EMPTY;
         }
         if from.negative != to.negative {
             return across(self.since_zero(), other.since_zero(), to.negative);
         }
-        let parting = Parting::new(&from, &to);
+        let parting = SeparatingCut::new(&from, &to);
         let outward = to.beyond(&from);
         let (behind, ahead) = (self.side(&parting, outward), other.side(&parting, !outward));
         other.join(&from, behind, ahead, outward)
     }
 
     /// Measures the interval between zero and this time, away from zero.
-    fn since_zero(&mut self) -> Span {
-        let mut sum = Span::EMPTY;
+    fn since_zero(&mut self) -> PathIncrement {
+        let mut sum = PathIncrement::EMPTY;
         for octave in 0..self.point.octave {
             sum = sum.then(self.octave(self.point.negative, octave));
         }
-        sum.then(self.side(&Parting::Octaves, false))
+        sum.then(self.side(&SeparatingCut::Octaves, false))
     }
 
     /// The part of the interval between two points on this cursor's side of the cut where their descents
     /// separate.
     #[inline]
-    fn side(&self, parting: &Parting, near: bool) -> Span {
+    fn side(&self, parting: &SeparatingCut, near: bool) -> PathIncrement {
         let start = match *parting {
-            Parting::Octaves => 0,
-            Parting::Page { stop: true, .. } if near => return Span::EMPTY,
+            SeparatingCut::Octaves => 0,
+            SeparatingCut::Page { stop: true, .. } if near => return PathIncrement::EMPTY,
             // If both descents continue, each interval of the cut contains one of the points: neither was
             // passed.
-            Parting::Page { page, cuts, stop } => usize::from(self.starts[page]) + cuts + usize::from(!stop),
+            SeparatingCut::Page { page, cuts, stop } => {
+                usize::from(self.starts[page]) + cuts + usize::from(!stop)
+            }
         };
         let turns = self.turns[start..].iter();
-        let measure = |sum: Span, turn: &Turn| sum.then(Span::of(turn.node, turn.length));
+        let measure =
+            |sum: PathIncrement, turn: &DescentStep| sum.then(PathIncrement::of(turn.node, turn.length));
         if near {
-            turns.rev().filter(|turn| !turn.right).fold(Span::of(self.last.node, self.last.length), measure)
+            turns
+                .rev()
+                .filter(|turn| !turn.right)
+                .fold(PathIncrement::of(self.last.node, self.last.length), measure)
         } else {
-            turns.filter(|turn| turn.right).fold(Span::EMPTY, measure)
+            turns.filter(|turn| turn.right).fold(PathIncrement::EMPTY, measure)
         }
     }
 
     /// Puts the two sides together; `from` is where `behind` was measured, this cursor is at the other end.
     #[inline]
-    fn join(&mut self, from: &GridTime, behind: Span, ahead: Span, outward: bool) -> Span {
+    fn join(
+        &mut self,
+        from: &GridTime,
+        behind: PathIncrement,
+        ahead: PathIncrement,
+        outward: bool,
+    ) -> PathIncrement {
         let (near, far) = if outward { (behind, ahead) } else { (ahead, behind) };
         let (o, to) = (from.octave.min(self.point.octave), from.octave.max(self.point.octave));
         let mut sum = near;
@@ -186,8 +198,8 @@ impl Cursor {
         if from.negative { sum.mirrored() } else { sum }
     }
 
-    fn octave(&mut self, negative: bool, octave: u8) -> Span {
-        Span::of(self.octave_node(negative, octave), grid::octave_length(octave))
+    fn octave(&mut self, negative: bool, octave: u8) -> PathIncrement {
+        PathIncrement::of(self.octave_node(negative, octave), grid::octave_length(octave))
     }
 
     fn octave_node(&mut self, negative: bool, octave: u8) -> BridgeInterval {
@@ -199,7 +211,7 @@ impl Cursor {
         *known[index].get_or_insert_with(|| {
             // The last pair of the octave's first page: its cuts use the others.
             let mut words = Words::EMPTY;
-            words.fill(&self.source, &Address { negative, octave, depth: 0, cell: 0 });
+            words.fill(&self.source, &PageAddress { negative, octave, depth: 0, cell: 0 });
             BridgeInterval::draw(grid::octave_length(octave), words.normals(PAIRS - 1))
         })
     }
@@ -216,10 +228,10 @@ impl Cursor {
             cell = cell * cells + u64::from(to.digit(page).0);
         }
         self.turns.truncate(usize::from(self.starts[from]));
-        self.last = Turn { right: false, node: root, length };
+        self.last = DescentStep { right: false, node: root, length };
         for depth in from..usize::from(to.pages) {
             self.starts[depth] = self.turns.len() as u8;
-            let address = Address { negative: to.negative, octave: to.octave, depth: depth as u8, cell };
+            let address = PageAddress { negative: to.negative, octave: to.octave, depth: depth as u8, cell };
             let page = page_at(&mut self.pages, depth);
             if page.address != address {
                 page.load(&self.source, address, length, root);
@@ -235,11 +247,11 @@ impl Cursor {
                 index = left + usize::from(right);
                 let other = left + usize::from(!right);
                 let length = length * shape.nodes[other].part;
-                self.turns.push(Turn { right, node: page.nodes[other], length });
+                self.turns.push(DescentStep { right, node: page.nodes[other], length });
                 branch = &shape.nodes[index];
             }
             root = page.nodes[index];
-            self.last = Turn { right: false, node: root, length: length * branch.part };
+            self.last = DescentStep { right: false, node: root, length: length * branch.part };
             length /= shape.cells as f64;
             cell = cell * shape.cells + u64::from(digit);
         }
@@ -248,7 +260,7 @@ impl Cursor {
 }
 
 /// The interval between two points on different sides of zero, from their distances to it.
-fn across(from: Span, to: Span, backward: bool) -> Span {
+fn across(from: PathIncrement, to: PathIncrement, backward: bool) -> PathIncrement {
     let (negative, positive) = if backward { (to, from) } else { (from, to) };
     negative.mirrored().then(positive)
 }
@@ -257,10 +269,10 @@ fn across(from: Span, to: Span, backward: bool) -> Span {
 #[inline]
 fn page_at(pages: &mut Vec<Page>, depth: usize) -> &mut Page {
     if pages.len() <= depth {
-        let none = Address { negative: false, octave: 0, depth: u8::MAX, cell: 0 };
+        let none = PageAddress { negative: false, octave: 0, depth: u8::MAX, cell: 0 };
         let empty = Page {
             address: none,
-            scale: Scale::default(),
+            scale: IntervalScale::default(),
             words: Words::EMPTY,
             nodes: [BridgeInterval::default(); NODES],
             cut: 0,

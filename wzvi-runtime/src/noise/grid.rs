@@ -133,7 +133,7 @@ pub(super) fn octave_length(octave: u8) -> f64 {
 
 /// The shape of the page at a depth of an octave.
 #[inline]
-pub(super) fn shape(octave: u8, depth: usize) -> &'static Shape {
+pub(super) fn shape(octave: u8, depth: usize) -> &'static PageTree {
     let halvings = u32::from(octave.saturating_sub(1));
     let coarse = halvings.div_ceil(HALVINGS) as usize;
     let index = if depth < coarse {
@@ -150,21 +150,22 @@ pub(super) fn shape(octave: u8, depth: usize) -> &'static Shape {
 }
 
 /// Pages of 2, 4, 8, 16, 20 and 12 cells.
-static SHAPES: LazyLock<[Shape; 6]> =
-    LazyLock::new(|| [&[2][..], &[2, 2], &[2, 2, 2], &[2, 2, 2, 2], &[5, 2, 2], &[2, 2, 3]].map(Shape::new));
+static SHAPES: LazyLock<[PageTree; 6]> = LazyLock::new(|| {
+    [&[2][..], &[2, 2], &[2, 2, 2], &[2, 2, 2, 2], &[5, 2, 2], &[2, 2, 3]].map(PageTree::new)
+});
 
 /// How a page is cut in two, again and again, down to its cells.
 #[derive(Debug)]
-pub(super) struct Shape {
+pub(super) struct PageTree {
     /// Number of cells.
     pub(super) cells: u64,
     /// The root first.
-    pub(super) nodes: Vec<Branch>,
+    pub(super) nodes: Vec<PageNode>,
 }
 
 /// An interval of a page: some adjacent cells.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Branch {
+pub(super) struct PageNode {
     /// The first of its cells.
     pub(super) first: u8,
     /// The first cell of the right part.
@@ -179,7 +180,7 @@ pub(super) struct Branch {
     pub(super) cut: Cut,
 }
 
-impl Shape {
+impl PageTree {
     fn new(radices: &[u64]) -> Self {
         let cells: u64 = radices.iter().product();
         let mut nodes = vec![];
@@ -189,7 +190,7 @@ impl Shape {
         while let Some((first, end)) = pending.pop_front() {
             let part = (end - first) as f64 / cells as f64;
             let mut branch =
-                Branch { first: first as u8, middle: 0, left: 0, pair: 0, part, cut: Cut::default() };
+                PageNode { first: first as u8, middle: 0, left: 0, pair: 0, part, cut: Cut::default() };
             if end - first > 1 {
                 // The coarsest grid of the page with an edge inside; its edge nearest to the middle, the left
                 // one of two.
@@ -217,7 +218,7 @@ impl Shape {
 
 /// The cut at which the descents to two points on the same side of zero separate.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Parting {
+pub(super) enum SeparatingCut {
     /// In different octaves.
     Octaves,
     /// In page `page`, after `cuts` common turns. `stop`: there the nearer point is the left edge of the
@@ -232,7 +233,7 @@ pub(super) enum Parting {
     },
 }
 
-impl Parting {
+impl SeparatingCut {
     /// The cut between two different points.
     pub(super) fn new(p: &GridTime, q: &GridTime) -> Self {
         if p.octave != q.octave {

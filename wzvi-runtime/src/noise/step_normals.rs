@@ -35,7 +35,7 @@ use crate::scheme::plan::Plan;
 /// Steps whose normals one block of random words makes.
 pub(crate) const STEPS: usize = 10;
 const VERSION: u32 = 0x8000_0002;
-/// Halvings of a step, at most: as many as [`Retry`](crate::path::retry::Retry) allows.
+/// Halvings of a step, at most: as many as [`Retry`](crate::trajectory::retry::Retry) allows.
 const MOST_HALVINGS: u32 = 30;
 
 /// Step numbers are exact as `f64` up to here.
@@ -65,13 +65,13 @@ fn number(t: f64, h: f64) -> Result<i64, NoiseError> {
 
 /// The number of a step among all of its size, and that of the first step of its run.
 #[derive(Clone, Copy, Debug)]
-struct Numbered {
+struct StepNumber {
     start: f64,
     h: f64,
     first: i64,
 }
 
-impl Numbered {
+impl StepNumber {
     /// A number without a run: no time equals NaN.
     const NOTHING: Self = Self { start: f64::NAN, h: f64::NAN, first: 0 };
 }
@@ -135,8 +135,8 @@ fn cut_normal(mut key: [u32; 8], path: u64, step: i64, halving: u32, cut: u64) -
 ///
 /// They are what [`Ensemble::seed`](crate::ensemble::Ensemble::seed) draws, and cost a small part of a Wiener
 /// path's increments: path `n` of an ensemble of seed `s` is driven by `StepNormals::seed(s).path(n)`, bit
-/// for bit. A step that a [`Retry`](crate::path::retry::Retry) halves gets the halves of its increment, by
-/// the Brownian bridge.
+/// for bit. A step that a [`Retry`](crate::trajectory::retry::Retry) halves gets the halves of its increment,
+/// by the Brownian bridge.
 ///
 /// ```
 /// use wzvi_runtime::noise::{Interval, Noise, StepNormals};
@@ -158,21 +158,21 @@ pub struct StepNormals {
     /// The step size of the run, once it is known: shorter steps are its halves.
     h: Option<f64>,
     /// The run of the last request.
-    numbered: Numbered,
+    numbered: StepNumber,
     /// The last block of each process.
-    drawn: Vec<Drawn>,
+    drawn: Vec<CachedBlock>,
 }
 
 /// A block of normals.
 #[derive(Clone, Copy, Debug)]
-struct Drawn {
+struct CachedBlock {
     block: u64,
     /// The bits of the step size.
     h: u64,
     normals: [f64; STEPS],
 }
 
-impl Drawn {
+impl CachedBlock {
     /// An empty cache entry: no step has the size 0.
     const NOTHING: Self = Self { block: 0, h: 0, normals: [0.0; STEPS] };
 }
@@ -188,7 +188,7 @@ impl StepNormals {
             truncation: Truncation::Unset,
             truncates: false,
             h: None,
-            numbered: Numbered::NOTHING,
+            numbered: StepNumber::NOTHING,
             drawn: Vec::new(),
         }
     }
@@ -256,7 +256,7 @@ impl StepNormals {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn first_of(&mut self, start: f64, h: f64) -> Result<i64, NoiseError> {
         if (self.numbered.start, self.numbered.h) != (start, h) {
-            self.numbered = Numbered { start, h, first: number(start, h)? };
+            self.numbered = StepNumber { start, h, first: number(start, h)? };
         }
         Ok(self.numbered.first)
     }
@@ -270,13 +270,14 @@ impl StepNormals {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn normal(&mut self, process: usize, h: f64, step: i64) -> f64 {
         if self.drawn.len() <= process {
-            self.drawn.resize(process + 1, Drawn::NOTHING);
+            self.drawn.resize(process + 1, CachedBlock::NOTHING);
         }
         let (block, place) = place(step);
         let (key, stream, sign) = (self.key(process as u64, h), self.stream(), self.sign());
         let drawn = &mut self.drawn[process];
         if (drawn.block, drawn.h) != (block, h.to_bits()) {
-            *drawn = Drawn { block, h: h.to_bits(), normals: normals(&random::block(&key, stream, block)) };
+            *drawn =
+                CachedBlock { block, h: h.to_bits(), normals: normals(&random::block(&key, stream, block)) };
         }
         sign * drawn.normals[place]
     }

@@ -24,7 +24,7 @@ const VERSION: u32 = 1;
 
 /// What distinguishes one Wiener process from all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Source {
+pub(super) struct ProcessId {
     pub(super) seed: u64,
     pub(super) path: u64,
     pub(super) process: u64,
@@ -32,7 +32,7 @@ pub(super) struct Source {
 
 /// Address of a page within a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Address {
+pub(super) struct PageAddress {
     pub(super) negative: bool,
     pub(super) octave: u8,
     pub(super) depth: u8,
@@ -47,7 +47,7 @@ impl Words {
     pub(super) const EMPTY: Self = Self([0; 4 * PAGE]);
 
     /// Fills the page of an address.
-    pub(super) fn fill(&mut self, source: &Source, address: &Address) {
+    pub(super) fn fill(&mut self, source: &ProcessId, address: &PageAddress) {
         let words = |x: u64| [x as u32, (x >> 32) as u32];
         let ([a, b], [c, d], [e, f]) = (words(source.seed), words(source.path), words(source.process));
         let place = u32::from_le_bytes([u8::from(address.negative), address.octave, address.depth, 0]);
@@ -67,27 +67,27 @@ impl Words {
 
 #[cfg(test)]
 mod tests {
-    use super::{Address, Source, Words};
+    use super::{PageAddress, ProcessId, Words};
 
     /// Every field of an address changes the page.
     #[test]
     fn addresses_do_not_collide() {
-        let source = Source { seed: 1, path: 2, process: 3 };
-        let address = Address { negative: false, octave: 4, depth: 5, cell: 6 };
-        let page = |source: Source, address: Address| {
+        let source = ProcessId { seed: 1, path: 2, process: 3 };
+        let address = PageAddress { negative: false, octave: 4, depth: 5, cell: 6 };
+        let page = |source: ProcessId, address: PageAddress| {
             let mut words = Words::EMPTY;
             words.fill(&source, &address);
             words.0
         };
         let pages = [
             page(source, address),
-            page(Source { seed: 2, path: 1, ..source }, address),
-            page(Source { path: 3, process: 2, ..source }, address),
-            page(Source { process: 0, ..source }, address),
-            page(source, Address { negative: true, ..address }),
-            page(source, Address { octave: 5, depth: 4, ..address }),
-            page(source, Address { depth: 6, ..address }),
-            page(source, Address { cell: 5, ..address }),
+            page(ProcessId { seed: 2, path: 1, ..source }, address),
+            page(ProcessId { path: 3, process: 2, ..source }, address),
+            page(ProcessId { process: 0, ..source }, address),
+            page(source, PageAddress { negative: true, ..address }),
+            page(source, PageAddress { octave: 5, depth: 4, ..address }),
+            page(source, PageAddress { depth: 6, ..address }),
+            page(source, PageAddress { cell: 5, ..address }),
         ];
         for i in 0..pages.len() {
             for j in 0..i {

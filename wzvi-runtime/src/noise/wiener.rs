@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use super::cursor::Cursor;
 use super::grid::{self, FARTHEST, GridTime};
-use super::stream::Source;
+use super::stream::ProcessId;
 use super::truncation::truncation_setters;
 use super::{Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
@@ -135,7 +135,7 @@ impl Wiener {
         let (from, to) = (self.point(a)?, self.point(b)?);
         let cursor = self.cursor(process);
         cursor.seek(&from);
-        let span = cursor.advance(&to);
+        let span = cursor.increment_to(&to);
         let span = if from.after(&to) {
             // The span runs from b to a: int_a^b (W(s) - W(a)) ds = -(int_b^a (W(s) - W(b)) ds - (a - b)
             // (W(a) - W(b))).
@@ -161,7 +161,7 @@ impl Wiener {
         let scale = self.unit.sqrt();
         let cursor = self.cursor(process);
         cursor.seek(a);
-        let w = cursor.advance(b).w;
+        let w = cursor.increment_to(b).w;
         scale * if a.after(b) { -w } else { w }
     }
 
@@ -170,7 +170,7 @@ impl Wiener {
     pub(super) fn cursor(&mut self, process: usize) -> &mut Cursor {
         if self.cursors.len() <= process {
             let source =
-                |process: usize| Source { seed: self.seed, path: self.path, process: process as u64 };
+                |process: usize| ProcessId { seed: self.seed, path: self.path, process: process as u64 };
             if process - self.cursors.len() >= FEW {
                 return self.distant.entry(process).or_insert_with(|| Cursor::new(source(process)));
             }

@@ -216,8 +216,8 @@ impl WongZakai {
             return h / self.eps * across;
         }
         // eps (W_eps(t + h) - W_eps(t)) = int_{t + eps}^{t + eps + h} W ds - int_t^{t + h} W ds.
-        let before = early.advance(&points[2]);
-        let after = late.advance(&points[3]);
+        let before = early.increment_to(&points[2]);
+        let after = late.increment_to(&points[3]);
         (h * across + cube * (after.integral - before.integral)) / self.eps
     }
 }

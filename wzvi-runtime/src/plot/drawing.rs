@@ -18,7 +18,7 @@ use super::axes::ranges;
 use super::figure::{Axis, Colour, Figure, Look, Series, Shades};
 use super::layout::{BAR, Entry, INDENT, KEY, Layout};
 use super::ticks::{Tick, ticks};
-use crate::path::error::PlotError;
+use crate::trajectory::error::PlotError;
 
 /// Lines of more points are drawn to the pixel ([`thinned`]).
 const DRAWN: usize = 2500;
@@ -60,7 +60,7 @@ const GRID: RGBColor = RGBColor(221, 221, 221);
 const PAPER: RGBColor = RGBColor(255, 255, 255);
 
 /// A point of a series on the drawing.
-pub(crate) struct Placed {
+pub(crate) struct PlacedPoint {
     pub(crate) series: usize,
     pub(crate) index: usize,
     pub(crate) at: (i32, i32),
@@ -79,7 +79,7 @@ pub(crate) struct Plot<'a> {
     is_bitmap: bool,
 }
 
-type Outcome<E> = Result<(), DrawingAreaErrorKind<E>>;
+type DrawResult<E> = Result<(), DrawingAreaErrorKind<E>>;
 
 /// Drawings beside each other, with the places of their corners, as the text of an SVG file of this size.
 pub(super) fn drawn_svg(size: (u32, u32), plots: &[((i32, i32), Plot<'_>)]) -> Result<String, PlotError> {
@@ -183,12 +183,12 @@ impl<'a> Plot<'a> {
     }
 
     /// Every point that is drawn, for the page: marks all, lines at some places.
-    pub(crate) fn placed(&self) -> Vec<Placed> {
+    pub(crate) fn placed(&self) -> Vec<PlacedPoint> {
         let mut placed = vec![];
         for (number, series) in self.figure.series.iter().enumerate() {
             let stride = if series.marked() { 1 } else { series.points.len().div_ceil(40).max(1) };
             for (index, point) in series.points.iter().enumerate().step_by(stride) {
-                placed.extend(self.at(*point).map(|at| Placed { series: number, index, at }));
+                placed.extend(self.at(*point).map(|at| PlacedPoint { series: number, index, at }));
             }
         }
         placed
@@ -204,7 +204,7 @@ impl<'a> Plot<'a> {
         drawn_svg(self.size(), &[((0, 0), self.clone())])
     }
 
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Outcome<B::ErrorType> {
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> DrawResult<B::ErrorType> {
         if let Some((x, y)) = self.layout.title {
             let at = (self.scale * x, self.scale * y);
             self.text(area, &self.figure.title, at, 16, HPos::Left, VPos::Top)?;
@@ -220,7 +220,7 @@ impl<'a> Plot<'a> {
         self.layout.legend.iter().try_for_each(|entry| self.entry(area, entry))
     }
 
-    fn axes<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Outcome<B::ErrorType> {
+    fn axes<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> DrawResult<B::ErrorType> {
         let s = self.scale;
         let [left, top, right, bottom] = self.layout.frame.map(|edge| s * edge);
         let line = |from: (i32, i32), to: (i32, i32), colour: RGBColor| {
@@ -254,7 +254,7 @@ impl<'a> Plot<'a> {
         &self,
         area: &DrawingArea<B, Shift>,
         shades: &Shades,
-    ) -> Outcome<B::ErrorType> {
+    ) -> DrawResult<B::ErrorType> {
         let [w, h] = [0.5 * shades.cell.0, 0.5 * shades.cell.1];
         let mut cells: Vec<(f64, f64, usize)> = shades
             .points
@@ -280,7 +280,11 @@ impl<'a> Plot<'a> {
     }
 
     /// The bar of colours beside the axes.
-    fn bar<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, shades: &Shades) -> Outcome<B::ErrorType> {
+    fn bar<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        shades: &Shades,
+    ) -> DrawResult<B::ErrorType> {
         let s = self.scale;
         let [_, top, right, bottom] = self.layout.frame.map(|edge| s * edge);
         let (left, right) = (right + s * BAR, right + 2 * s * BAR);
@@ -312,7 +316,7 @@ impl<'a> Plot<'a> {
         size: i32,
         across: HPos,
         along: VPos,
-    ) -> Outcome<B::ErrorType> {
+    ) -> DrawResult<B::ErrorType> {
         area.draw(&Text::new(self.letters(text), at, self.style(size, across, along)))
     }
 
@@ -321,7 +325,7 @@ impl<'a> Plot<'a> {
         area: &DrawingArea<B, Shift>,
         number: usize,
         series: &Series,
-    ) -> Outcome<B::ErrorType> {
+    ) -> DrawResult<B::ErrorType> {
         let points: Vec<Option<(i32, i32)>> = series.points.iter().map(|point| self.at(*point)).collect();
         // What is outside, or nowhere, interrupts a line.
         let pieces = points.split(Option::is_none);
@@ -343,7 +347,7 @@ impl<'a> Plot<'a> {
         area: &DrawingArea<B, Shift>,
         series: &Series,
         points: impl Iterator<Item = (i32, i32)>,
-    ) -> Outcome<B::ErrorType> {
+    ) -> DrawResult<B::ErrorType> {
         let (width, mut known) = (self.scale, HashSet::new());
         let new = points.filter(|(x, y)| known.insert((x / width, y / width)));
         let new: Vec<(i32, i32)> = new.collect();
@@ -356,7 +360,7 @@ impl<'a> Plot<'a> {
         area: &DrawingArea<B, Shift>,
         series: &Series,
         points: Vec<(i32, i32)>,
-    ) -> Outcome<B::ErrorType> {
+    ) -> DrawResult<B::ErrorType> {
         let width = |tenths: u32| (tenths * self.scale as u32).div_ceil(10);
         let style = |tenths: u32| colour(series.colour).stroke_width(width(tenths));
         match series.look {
@@ -378,7 +382,7 @@ impl<'a> Plot<'a> {
         area: &DrawingArea<B, Shift>,
         points: Vec<(i32, i32)>,
         style: ShapeStyle,
-    ) -> Outcome<B::ErrorType> {
+    ) -> DrawResult<B::ErrorType> {
         if !self.is_bitmap {
             return area.draw(&PathElement::new(points, style));
         }
@@ -398,7 +402,7 @@ impl<'a> Plot<'a> {
         number: usize,
         series: &Series,
         at: (i32, i32),
-    ) -> Outcome<B::ErrorType> {
+    ) -> DrawResult<B::ErrorType> {
         let (s, colour) = (self.scale, colour(series.colour));
         match (series.look, number % 4) {
             (Look::Line | Look::Dashed | Look::Broad, _) => Ok(()),
@@ -414,7 +418,11 @@ impl<'a> Plot<'a> {
         }
     }
 
-    fn entry<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, entry: &Entry) -> Outcome<B::ErrorType> {
+    fn entry<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        entry: &Entry,
+    ) -> DrawResult<B::ErrorType> {
         let s = self.scale;
         let Some(series) = self.figure.series.get(entry.series) else { return Ok(()) };
         let (x, y) = (s * entry.at.0, s * entry.at.1);

@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use crate::saving::table::Rows;
+use crate::saving::table::TableRows;
 
 /// One axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -288,7 +288,7 @@ impl Figure {
         let shaded = self.shades.iter().flat_map(|shades| {
             shades.points.iter().map(|(x, y, value)| (shades.label.clone(), *x, *y, format!("{value:?}")))
         });
-        Rows::of(rows.chain(shaded))
+        TableRows::of(rows.chain(shaded))
             .column("series", |(name, ..)| name.clone())
             .column(&self.x.label, |(_, x, ..)| *x)
             .column(&self.y.label, |(_, _, y, _)| *y)

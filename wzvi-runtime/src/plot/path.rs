@@ -5,8 +5,8 @@
 use super::figure::{Colour, Figure, Look};
 use crate::algebra::state::{State, Vector};
 use crate::error::UnknownName;
-use crate::path::trajectory::Trajectory;
 use crate::scheme::system::Hamiltonian;
+use crate::trajectory::recorded::Trajectory;
 
 /// Degrees of freedom that are shown by default: as many as there are colours.
 pub(super) const SHOWN: usize = 6;
@@ -123,8 +123,8 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
     }
 
     /// The crossings of the sections of the run
-    /// ([`Simulation::section`](crate::path::simulate::Simulation::section)): momenta against coordinates of
-    /// the first degree of freedom that is shown, with a colour for each section.
+    /// ([`Simulation::section`](crate::trajectory::simulate::Simulation::section)): momenta against
+    /// coordinates of the first degree of freedom that is shown, with a colour for each section.
     pub fn section(&self) -> Figure {
         let Some((degree, [q, p])) = self.named().next() else { return Figure::panel("Section", "", "") };
         let mut figure = Figure::panel("Section", q, p);

@@ -10,8 +10,8 @@ use super::drawing::drawn_png;
 use super::drawing::{Plot, drawn_svg};
 use super::figure::Figure;
 use super::layout::Layout;
-use crate::path::error::PlotError;
 use crate::saving::file;
+use crate::trajectory::error::PlotError;
 
 /// Pixels of the file for one unit of the layout.
 const SCALE: i32 = 2;

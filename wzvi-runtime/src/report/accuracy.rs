@@ -7,15 +7,15 @@ use std::sync::{Mutex, PoisonError};
 
 use super::data::{Cell, Weak};
 use super::measure::{Reference, WorkPrecision};
-use super::method::{Method, Paths};
-use super::run::{Run, Settings, TIMED_STEPS, Work};
+use super::measurement::{MeasurementProgress, MeasurementSettings, SchemeRun, TIMED_STEPS};
+use super::method::{MeasuredScheme, PathBatch};
 use super::statistics::{Estimate, Trend};
 use crate::algebra::state::{State, Vector};
 use crate::ensemble::schedule::in_order;
 use crate::error::InternalError;
 use crate::noise::{Driver as _, Paths as _};
-use crate::path::Error;
 use crate::scheme::system::Hamiltonian;
+use crate::trajectory::Error;
 
 /// Approximate number of nodes of a path at which the energy is evaluated.
 const LOOKS: u64 = 256;
@@ -25,14 +25,14 @@ const LANES: u64 = 8;
 
 /// The outcomes of the paths of one scheme and step size.
 #[derive(Default)]
-struct Found {
-    good: Vec<Good>,
+struct PathOutcomes {
+    good: Vec<FinishedPath>,
     failures: usize,
     failure: Option<String>,
 }
 
 /// A path that reached the end.
-struct Good {
+struct FinishedPath {
     number: u64,
     error: f64,
     trend: Trend,
@@ -40,7 +40,7 @@ struct Good {
     weak: Vec<f64>,
 }
 
-impl Found {
+impl PathOutcomes {
     /// The paths of both, which follow each other in number.
     fn append(&mut self, other: Self) {
         self.good.extend(other.good);
@@ -49,35 +49,35 @@ impl Found {
     }
 
     /// A number of each path.
-    fn each(&self, of: impl Fn(&Good) -> f64) -> Vec<f64> {
+    fn each(&self, of: impl Fn(&FinishedPath) -> f64) -> Vec<f64> {
         self.good.iter().map(of).collect()
     }
 }
 
 /// The energies and the end of one path.
-struct Seen<V> {
+struct PathObservation<V> {
     /// Times since the start and energies against it.
     energies: Vec<(f64, f64)>,
     /// The last node.
     last: Option<State<V>>,
 }
 
-impl<V> Default for Seen<V> {
+impl<V> Default for PathObservation<V> {
     fn default() -> Self {
         Self { energies: Vec::new(), last: None }
     }
 }
 
 /// Observations of paths from several threads.
-struct AllSeen<V>(Vec<Mutex<Seen<V>>>);
+struct PathObservations<V>(Vec<Mutex<PathObservation<V>>>);
 
-impl<V: Vector> AllSeen<V> {
+impl<V: Vector> PathObservations<V> {
     fn new(paths: u64) -> Self {
         Self((0..paths).map(|_| Mutex::default()).collect())
     }
 
     /// A path at a node, with its energy.
-    fn see(&self, path: u64, state: &State<V>, point: Option<(f64, f64)>) {
+    fn observe(&self, path: u64, state: &State<V>, point: Option<(f64, f64)>) {
         let seen = usize::try_from(path).ok().and_then(|path| self.0.get(path));
         debug_assert!(seen.is_some(), "path {path} of {}", self.0.len());
         if let Some(seen) = seen {
@@ -91,7 +91,7 @@ impl<V: Vector> AllSeen<V> {
     }
 
     /// The paths, in order.
-    fn paths(self) -> impl Iterator<Item = Seen<V>> {
+    fn paths(self) -> impl Iterator<Item = PathObservation<V>> {
         self.0.into_iter().map(|seen| seen.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 }
@@ -103,8 +103,8 @@ where
     /// Where the paths end.
     pub(super) fn references(
         &self,
-        plan: &Settings<H::Vector>,
-        work: &mut Work,
+        plan: &MeasurementSettings<H::Vector>,
+        work: &mut MeasurementProgress,
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<State<H::Vector>>, Error> {
         let mut states = Vec::with_capacity(plan.paths);
@@ -112,7 +112,7 @@ where
         let reference = self.reference.value().ok_or_else(no_reference)?;
         let block = |paths| self.ends(plan, reference, paths);
         self.in_blocks(plan, plan.reference_steps, stopped, block, |block| {
-            work.advance(plan.reference_steps * block.len());
+            work.add_steps(plan.reference_steps * block.len());
             states.extend(block);
         })?;
         Ok(states)
@@ -121,7 +121,7 @@ where
     /// Does `block` for blocks of paths of so many steps, which are taken in order, until it is stopped.
     fn in_blocks<T: Send>(
         &self,
-        plan: &Settings<H::Vector>,
+        plan: &MeasurementSettings<H::Vector>,
         steps: usize,
         stopped: &(dyn Fn() -> bool + Sync),
         block: impl Fn(Range<u64>) -> Result<Option<T>, Error> + Sync,
@@ -154,7 +154,7 @@ where
     /// The ends of the paths of the reference; `None` if it was stopped.
     fn ends(
         &self,
-        plan: &Settings<H::Vector>,
+        plan: &MeasurementSettings<H::Vector>,
         reference: &Reference<'a, H>,
         paths: Range<u64>,
     ) -> Result<Option<Vec<State<H::Vector>>>, Error> {
@@ -179,11 +179,12 @@ where
                 })
                 .collect(),
             Reference::Finer(method, h) => {
-                let (seen, number) = (AllSeen::new(paths.end - paths.start), paths.end - paths.start);
+                let (seen, number) =
+                    (PathObservations::new(paths.end - paths.start), paths.end - paths.start);
                 let noise = self.shifted(wiener.copy(), paths.start, start);
                 let run =
-                    Paths { start, h: *h, steps: plan.reference_steps as u64, stride: 0, number, noise };
-                let see = |path, state: &State<H::Vector>| seen.see(path, state, None);
+                    PathBatch { start, h: *h, steps: plan.reference_steps as u64, stride: 0, number, noise };
+                let see = |path, state: &State<H::Vector>| seen.observe(path, state, None);
                 match (method.run)(self.system, run, &see)? {
                     None => return Ok(None),
                     Some(Some(failure)) => return Err(failure),
@@ -200,17 +201,17 @@ where
     /// Errors of one scheme and step size over the paths; `None` if there was time for no path at all.
     pub(super) fn accuracy(
         &self,
-        plan: &Settings<H::Vector>,
-        run: &Run,
+        plan: &MeasurementSettings<H::Vector>,
+        run: &SchemeRun,
         references: &[State<H::Vector>],
-        work: &mut Work,
+        work: &mut MeasurementProgress,
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Cell>, Error> {
         let method = self.method_of(run)?;
-        let mut found = Found::default();
+        let mut found = PathOutcomes::default();
         let block = |paths| self.block(plan, run, method, references, paths);
-        self.in_blocks(plan, run.steps, stopped, block, |block: Found| {
-            work.advance(run.steps * (block.good.len() + block.failures));
+        self.in_blocks(plan, run.steps, stopped, block, |block: PathOutcomes| {
+            work.add_steps(run.steps * (block.good.len() + block.failures));
             found.append(block);
         })?;
         if found.good.is_empty() && found.failures == 0 {
@@ -246,14 +247,14 @@ where
     /// Paths that have a reference, beside each other; `None` if they were stopped.
     fn block(
         &self,
-        plan: &Settings<H::Vector>,
-        run: &Run,
-        method: &Method<H>,
+        plan: &MeasurementSettings<H::Vector>,
+        run: &SchemeRun,
+        method: &MeasuredScheme<H>,
         references: &[State<H::Vector>],
         paths: Range<u64>,
-    ) -> Result<Option<Found>, Error> {
+    ) -> Result<Option<PathOutcomes>, Error> {
         let (system, start) = (self.system, &plan.start);
-        let mut found = Found::default();
+        let mut found = PathOutcomes::default();
         // A run that was stopped has fewer references than paths.
         let place = |path: u64| usize::try_from(path).unwrap_or(usize::MAX).min(references.len());
         let exact = references.get(place(paths.start)..place(paths.end)).unwrap_or_default();
@@ -261,15 +262,15 @@ where
         if number == 0 {
             return Ok(Some(found));
         }
-        let seen = AllSeen::new(number);
+        let seen = PathObservations::new(number);
         let first = system.energy(start);
         let see = |path, state: &State<H::Vector>| {
-            seen.see(path, state, Some((state.t - start.t, system.energy(state) - first)));
+            seen.observe(path, state, Some((state.t - start.t, system.energy(state) - first)));
         };
         let noise = self.shifted((self.driver)(self.wiener(0)), paths.start, start);
         let stride = steps.div_ceil(LOOKS);
         let end = start.t + steps as f64 * run.h;
-        let outcome = (method.run)(system, Paths { start, h: run.h, steps, stride, number, noise }, &see);
+        let outcome = (method.run)(system, PathBatch { start, h: run.h, steps, stride, number, noise }, &see);
         found.failure = match outcome {
             Ok(None) => return Ok(None),
             Ok(Some(failure)) => failure.map(|error| error.to_string()),
@@ -284,7 +285,7 @@ where
             };
             let weak = self.observables.0.iter();
             let weak = weak.map(|((_, expectation), f)| f(&last) - expectation.unwrap_or_else(|| f(exact)));
-            found.good.push(Good {
+            found.good.push(FinishedPath {
                 number: path,
                 error: distance(&last, exact),
                 trend: Trend::of(&seen.energies),

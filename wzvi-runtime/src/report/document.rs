@@ -19,11 +19,11 @@ const DRAWN: (i32, i32) = (440, 310);
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     title: String,
-    parts: Vec<Part>,
+    parts: Vec<PageItem>,
 }
 
 #[derive(Clone, Debug)]
-enum Part {
+enum PageItem {
     Heading(String),
     Text(String),
     List(Vec<String>),
@@ -40,21 +40,21 @@ impl Document {
     /// Adds a heading.
     #[must_use]
     pub fn heading(mut self, text: impl Into<String>) -> Self {
-        self.parts.push(Part::Heading(text.into()));
+        self.parts.push(PageItem::Heading(text.into()));
         self
     }
 
     /// Adds a paragraph of plain text.
     #[must_use]
     pub fn text(mut self, text: impl Into<String>) -> Self {
-        self.parts.push(Part::Text(text.into()));
+        self.parts.push(PageItem::Text(text.into()));
         self
     }
 
     /// Adds a list of sentences.
     #[must_use]
     pub fn list(mut self, sentences: impl IntoIterator<Item = impl Into<String>>) -> Self {
-        self.parts.push(Part::List(sentences.into_iter().map(Into::into).collect()));
+        self.parts.push(PageItem::List(sentences.into_iter().map(Into::into).collect()));
         self
     }
 
@@ -66,14 +66,14 @@ impl Document {
         headings: Vec<String>,
         rows: Vec<Vec<String>>,
     ) -> Self {
-        self.parts.push(Part::Table { caption: caption.into(), headings, rows });
+        self.parts.push(PageItem::Table { caption: caption.into(), headings, rows });
         self
     }
 
     /// Adds a figure.
     #[must_use]
     pub fn figure(mut self, figure: Figure) -> Self {
-        self.parts.push(Part::Figure(figure));
+        self.parts.push(PageItem::Figure(figure));
         self
     }
 
@@ -86,18 +86,18 @@ impl Document {
         let mut section = 0;
         for part in &self.parts {
             match part {
-                Part::Heading(text) => {
+                PageItem::Heading(text) => {
                     section += 1;
                     body += &format!("<h2 id=\"section-{section}\">{}</h2>\n", escaped(text));
                 }
-                Part::Text(text) => body += &format!("<p>{}</p>\n", escaped(text)),
-                Part::List(items) => {
+                PageItem::Text(text) => body += &format!("<p>{}</p>\n", escaped(text)),
+                PageItem::List(items) => {
                     body += "<ul>\n";
                     items.iter().for_each(|item| body += &format!("<li>{}</li>\n", escaped(item)));
                     body += "</ul>\n";
                 }
-                Part::Table { caption, headings, rows } => body += &table(caption, headings, rows),
-                Part::Figure(figure) => body += &drawn(figure)?,
+                PageItem::Table { caption, headings, rows } => body += &table(caption, headings, rows),
+                PageItem::Figure(figure) => body += &drawn(figure)?,
             }
         }
         let title = escaped(&self.title);
@@ -114,7 +114,7 @@ impl Document {
     /// The headings as links, where there are some.
     fn contents(&self) -> String {
         let headings = self.parts.iter().filter_map(|part| match part {
-            Part::Heading(text) => Some(text),
+            PageItem::Heading(text) => Some(text),
             _ => None,
         });
         let entries: Vec<String> = headings
@@ -136,7 +136,7 @@ impl Document {
         let folder = folder.as_ref();
         file::create_folder(folder)?;
         for part in &self.parts {
-            if let Part::Figure(figure) = part {
+            if let PageItem::Figure(figure) = part {
                 let path = |ending: &str| folder.join(format!("{}.{ending}", figure.id));
                 figure.write(path("svg"))?;
                 figure.write(path("png"))?;

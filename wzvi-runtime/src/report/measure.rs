@@ -3,31 +3,31 @@
 //! Tested by `tests/paths/report/estimators.rs`.
 
 use super::Overlay;
-use super::method::Method;
+use super::method::MeasuredScheme;
 use crate::algebra::state::State;
-use crate::ground::digits::Brief;
+use crate::ground::digits::ShortestDecimal;
 use crate::ground::names::short_name;
 use crate::noise::{Driver, Paths, Wiener};
-use crate::path::Error;
-use crate::path::choice::{Choice, SOME};
-use crate::path::options::{Execution, Functions, options};
-use crate::path::span::{End, Span};
 use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::trajectory::Error;
+use crate::trajectory::exclusive_setting::{ExclusiveSetting, SOME};
+use crate::trajectory::options::{Execution, Functions, options};
+use crate::trajectory::span::{RunEnd, RunSpan};
 
-type Exact<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + Send + Sync + 'a>;
+type ExactSolution<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + Send + Sync + 'a>;
 type ExactOnPath<'a, V> = Box<dyn Fn(f64, &mut Wiener) -> Result<State<V>, Error> + Send + Sync + 'a>;
 type DriverOf<'a> = Box<dyn Fn(Wiener) -> Box<dyn Driver + 'a> + Send + Sync + 'a>;
 
 pub(super) enum Reference<'a, H: Hamiltonian> {
-    Exact(Exact<'a, H::Vector>),
+    Exact(ExactSolution<'a, H::Vector>),
     OnPath(ExactOnPath<'a, H::Vector>),
-    Finer(Method<H>, f64),
+    Finer(MeasuredScheme<H>, f64),
     Value(State<H::Vector>),
 }
 
 /// What a measurement has in common with other runs.
-pub(super) struct Setup<'a, V> {
-    pub(super) span: Span<V>,
+pub(super) struct MeasurementSetup<'a, V> {
+    pub(super) span: RunSpan<V>,
     pub(super) execution: Execution<'a>,
 }
 
@@ -41,16 +41,16 @@ pub(super) struct Setup<'a, V> {
 pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) system: &'a H,
     pub(super) title: String,
-    pub(super) setup: Setup<'a, H::Vector>,
+    pub(super) setup: MeasurementSetup<'a, H::Vector>,
     pub(super) steps: Vec<f64>,
     pub(super) paths: usize,
     pub(super) seed: u64,
     pub(super) repetitions: usize,
     pub(super) driver: DriverOf<'a>,
-    pub(super) reference: Choice<Reference<'a, H>>,
+    pub(super) reference: ExclusiveSetting<Reference<'a, H>>,
     /// By name and with `E f(z(T))`, if known; otherwise the reference on the same path is compared with.
     pub(super) observables: Functions<'a, H::Vector, (String, Option<f64>)>,
-    pub(super) methods: Vec<Method<H>>,
+    pub(super) methods: Vec<MeasuredScheme<H>>,
     pub(super) overlay: Vec<Overlay>,
     pub(super) failed: Option<Error>,
 }
@@ -61,13 +61,13 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         Self {
             system,
             title: short_name::<H>(),
-            setup: Setup { span: Span::default(), execution: Execution::default() },
+            setup: MeasurementSetup { span: RunSpan::default(), execution: Execution::default() },
             steps: vec![],
             paths: 100,
             seed: 0,
             repetitions: 7,
             driver: Box::new(|wiener| Box::new(wiener)),
-            reference: Choice::default(),
+            reference: ExclusiveSetting::default(),
             observables: Functions::default(),
             methods: vec![],
             overlay: vec![],
@@ -86,7 +86,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     /// The end of every path, in the time units of the Hamiltonian: a whole number of steps of each size
     /// away.
     pub fn until(mut self, end: f64) -> Self {
-        self.setup.span.end.set("until", Brief(end), End::Time(end));
+        self.setup.span.end.set("until", ShortestDecimal(end), RunEnd::Time(end));
         self
     }
 
@@ -145,7 +145,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     where
         H: Discretized<E> + Sync,
     {
-        self.reference.set("reference", Brief(h), Reference::Finer(Method::of::<E>(), h));
+        self.reference.set("reference", ShortestDecimal(h), Reference::Finer(MeasuredScheme::of::<E>(), h));
         self
     }
 
@@ -181,7 +181,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     where
         H: Discretized<E> + Sync,
     {
-        self.methods.push(Method::of::<E>());
+        self.methods.push(MeasuredScheme::of::<E>());
         self
     }
 

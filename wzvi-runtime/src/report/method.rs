@@ -6,25 +6,25 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use super::noise::Shifted;
-use crate::algebra::carry::Carry;
 use crate::algebra::state::{State, Vector};
+use crate::algebra::state_sum::StateSum;
 use crate::ensemble::Ensemble;
 use crate::error::{ConfigError, NoiseError};
 use crate::ground::names::short_name;
 use crate::increments::{Interval, Noise};
-use crate::path::Error;
-use crate::path::simulate::{Node, Simulation};
-use crate::path::step::Stepper;
-use crate::path::steps::Single;
-use crate::path::trajectory::Iterations;
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::trajectory::Error;
+use crate::trajectory::recorded::Iterations;
+use crate::trajectory::simulate::{Node, Simulation};
+use crate::trajectory::step::Stepper;
+use crate::trajectory::steps::SinglePath;
 
 /// Sees a path, by its number in the run, at a recorded node.
-type See<'a, V> = &'a (dyn Fn(u64, &State<V>) + Sync);
+type NodeObserver<'a, V> = &'a (dyn Fn(u64, &State<V>) + Sync);
 
 /// Paths to run, one after the other or in lanes.
-pub(super) struct Paths<'a, 'n, V> {
+pub(super) struct PathBatch<'a, 'n, V> {
     pub(super) start: &'a State<V>,
     pub(super) h: f64,
     pub(super) steps: u64,
@@ -37,14 +37,15 @@ pub(super) struct Paths<'a, 'n, V> {
 
 /// Runs paths and passes their recorded nodes to the last argument; returns the error of the first path that
 /// failed. `None` if Ctrl-C stopped the run. Its own errors are not those of a step.
-type RunPaths<H, V> = fn(&H, Paths<'_, '_, V>, See<'_, V>) -> Result<Option<Option<Error>>, Error>;
+type RunPaths<H, V> =
+    fn(&H, PathBatch<'_, '_, V>, NodeObserver<'_, V>) -> Result<Option<Option<Error>>, Error>;
 
 /// How long several paths take, one after the other, so many times over, and the Newton iterations of one
 /// pass; nothing but steps is inside.
-type TimePaths<H, V> = fn(&H, &[Given<'_, V>], u32) -> Result<(Duration, Iterations), Error>;
+type TimePaths<H, V> = fn(&H, &[TimedPath<'_, V>], u32) -> Result<(Duration, Iterations), Error>;
 
 /// One embedding of a system.
-pub(super) struct Method<H: Hamiltonian> {
+pub(super) struct MeasuredScheme<H: Hamiltonian> {
     /// The embedding as it is written, `Corrected<DeltaPlus>`.
     pub(super) name: String,
     /// What the compiler derived.
@@ -55,7 +56,7 @@ pub(super) struct Method<H: Hamiltonian> {
     pub(super) time: TimePaths<H, H::Vector>,
 }
 
-impl<H: Hamiltonian> Method<H> {
+impl<H: Hamiltonian> MeasuredScheme<H> {
     /// The embedding `E`.
     pub(super) fn of<E>() -> Self
     where
@@ -72,7 +73,7 @@ impl<H: Hamiltonian> Method<H> {
 }
 
 /// A path to take: where from, in which steps.
-pub(super) struct Given<'a, V> {
+pub(super) struct TimedPath<'a, V> {
     pub(super) start: &'a State<V>,
     pub(super) h: f64,
     pub(super) steps: usize,
@@ -81,9 +82,9 @@ pub(super) struct Given<'a, V> {
 }
 
 /// Increments that were drawn before, one row per step.
-struct Rows<'a>(&'a [f64]);
+struct DrawnIncrements<'a>(&'a [f64]);
 
-impl Noise for Rows<'_> {
+impl Noise for DrawnIncrements<'_> {
     #[inline]
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         let first = interval.step as usize * dw.len();
@@ -103,10 +104,10 @@ impl Noise for Rows<'_> {
 /// One path without noise as a single run, which adds with care; paths with noise as an ensemble.
 fn run<H: Discretized<E> + Sync, E>(
     system: &H,
-    paths: Paths<'_, '_, H::Vector>,
-    see: See<'_, H::Vector>,
+    paths: PathBatch<'_, '_, H::Vector>,
+    see: NodeObserver<'_, H::Vector>,
 ) -> Result<Option<Option<Error>>, Error> {
-    let Paths { start, h, steps, stride, number, noise } = paths;
+    let PathBatch { start, h, steps, stride, number, noise } = paths;
     if system.increments(start.q.components().len()) == 0 {
         let run = Simulation::<H, E>::new(system, h).start(start.clone()).steps(steps);
         let run = run.record_every(if stride == 0 { steps.max(1) } else { stride });
@@ -129,7 +130,7 @@ fn run<H: Discretized<E> + Sync, E>(
 
 fn time<H: Discretized<E>, E>(
     system: &H,
-    paths: &[Given<'_, H::Vector>],
+    paths: &[TimedPath<'_, H::Vector>],
     passes: u32,
 ) -> Result<(Duration, Iterations), Error> {
     // As they are run for their errors.
@@ -142,8 +143,8 @@ fn time<H: Discretized<E>, E>(
 }
 
 /// How long paths of so many processes take, so many times over.
-fn timed<'a, H: Discretized<E> + 'a, E, C: Carry<f64>>(
-    paths: &[Given<'_, H::Vector>],
+fn timed<'a, H: Discretized<E> + 'a, E, C: StateSum<f64>>(
+    paths: &[TimedPath<'_, H::Vector>],
     (processes, passes): (usize, u32),
     stepper: impl Fn(f64) -> Result<Stepper<'a, H, E, C>, ConfigError>,
 ) -> Result<(Duration, Iterations), Error> {
@@ -156,8 +157,8 @@ fn timed<'a, H: Discretized<E> + 'a, E, C: Carry<f64>>(
         counts = Iterations::default();
         for (path, stepper) in paths.iter().zip(&mut steppers) {
             state.clone_from(path.start);
-            let mut rows = (processes > 0).then_some(Rows(path.increments));
-            let mut single = Single {
+            let mut rows = (processes > 0).then_some(DrawnIncrements(path.increments));
+            let mut single = SinglePath {
                 stepper,
                 state: &mut state,
                 noise: &mut rows,

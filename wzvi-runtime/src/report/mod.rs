@@ -36,16 +36,16 @@ mod files;
 pub mod fit;
 mod machine;
 mod measure;
+mod measurement;
 mod method;
 mod noise;
 mod overlay;
 mod pareto;
-mod run;
 pub mod statistics;
 mod table;
 mod write;
 
-pub use crate::path::error::ReportError;
+pub use crate::trajectory::error::ReportError;
 pub use data::{Cell, Report, Weak};
 pub use document::Document;
 pub use files::write_file;

@@ -4,12 +4,12 @@
 
 use super::statistics::Spread;
 use super::{Cell, Report, ReportError};
-use crate::saving::table::Rows;
+use crate::saving::table::TableRows;
 
 impl Report {
     /// One line for each scheme and step size, every number in full; `NaN` where nothing was measured.
     pub fn csv(&self) -> Vec<u8> {
-        let mut rows = Rows::of(&self.cells)
+        let mut rows = TableRows::of(&self.cells)
             .column("scheme", |cell| cell.scheme.clone())
             .column("h", |cell| cell.h)
             .column("steps", |cell| cell.steps as u64)
@@ -43,10 +43,10 @@ impl Report {
 
 /// The median and the quartiles of a time.
 fn timed<'r>(
-    rows: Rows<'r, &'r Cell>,
+    rows: TableRows<'r, &'r Cell>,
     name: &str,
     spread: fn(&Cell) -> Option<Spread>,
-) -> Rows<'r, &'r Cell> {
+) -> TableRows<'r, &'r Cell> {
     let entry = |part: fn(Spread) -> f64| move |cell: &&Cell| spread(cell).map_or(f64::NAN, part);
     rows.column(format!("{name}_seconds_median"), entry(|spread| spread.median))
         .column(format!("{name}_seconds_q1"), entry(|spread| spread.low))

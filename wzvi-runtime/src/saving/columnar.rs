@@ -89,13 +89,13 @@ mod tests {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    use crate::saving::table::Rows;
+    use crate::saving::table::TableRows;
 
     /// Every entry comes back, to the last bit.
     #[test]
     fn files_are_read_back() {
         let numbers = [0.1, -0.0, f64::NAN, f64::INFINITY, 5e-324, f64::MAX];
-        let table = Rows::of(numbers.iter().enumerate())
+        let table = TableRows::of(numbers.iter().enumerate())
             .column("name", |(i, _)| format!("é, \"{i}\""))
             .column("count", |(i, _)| 10_u64.pow(3 * *i as u32))
             .column("number", |(_, number)| **number)

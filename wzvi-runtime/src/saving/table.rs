@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use crate::ground::names::free;
-pub(crate) use rows::{Parts, Rows};
+pub(crate) use rows::{TableChunks, TableRows};
 
 /// Columns of one length.
 #[derive(Clone, Debug, PartialEq)]

@@ -60,16 +60,16 @@ use std::marker::PhantomData;
 
 use crate::algebra::scalar::{Mask as _, Scalar};
 use crate::error::{BathError, ConfigError};
-use crate::scheme::elements::{self, DRIFT, Elements, PairColumns, Point, Slopes, slopes};
+use crate::scheme::elements::{self, DRIFT, Elements, EvaluationPoint, PairColumns, Partials, slopes};
 use crate::scheme::plan::{Knowledge, NoiseClass, Plan};
 
 #[doc(hidden)]
 pub use modes::Decay;
-pub(crate) use part::ByPlace;
+pub(crate) use part::OPartsByPlace;
 use relaxation::Relaxation;
 pub use splitting::{Letters, Splitting};
 #[doc(hidden)]
-pub use thermostat::Around;
+pub use thermostat::ThermostatSteps;
 pub use word::{A, B, HarmonicLaw, O, Part, Spelling};
 
 /// Half a kick, half a drift, friction and noise, half a drift, half a kick: explicit, with one force for
@@ -221,7 +221,9 @@ impl Friction {
         let zero = S::from_f64(0.0);
         match self.temperature {
             Some(part) if self.has_temperatures => elements::covector((system, parameters), part, t, into),
-            Some(part) => into.fill(system.value(part, 1.0, &Point::new([&[][..]; 2], t, parameters, &[]))),
+            Some(part) => {
+                into.fill(system.value(part, 1.0, &EvaluationPoint::new([&[][..]; 2], t, parameters, &[])))
+            }
             None => into.fill(zero),
         }
         let is_valid = |temperature: &S| (temperature.is_finite() & zero.less_equal(*temperature)).all();
@@ -247,8 +249,8 @@ impl Friction {
         // The velocities are linear in the momenta and read nothing else.
         let velocities = |p: &[S], by_q: &mut [S], into: &mut [S]| {
             into.fill(S::from_f64(0.0));
-            let at = Point::new([&*zeros, p], Scalar::from_f64(0.0), parameters, &[]);
-            slopes(system, (DRIFT, 1.0), &at, Slopes::BY_MOMENTA, by_q, into, &mut PairColumns::default());
+            let at = EvaluationPoint::new([&*zeros, p], Scalar::from_f64(0.0), parameters, &[]);
+            slopes(system, (DRIFT, 1.0), &at, Partials::BY_MOMENTA, by_q, into, &mut PairColumns::default());
         };
         if self.has_diagonal_masses {
             p.fill(one);

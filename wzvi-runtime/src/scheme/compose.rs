@@ -14,16 +14,16 @@
 //!
 //! The parts of a step depend on the structure of the system, which the compiler has proven:
 //!
-//! * [`Pair`]: steps of the scheme and its adjoint, for any Hamiltonian.
+//! * [`PairComposition`]: steps of the scheme and its adjoint, for any Hamiltonian.
 //! * [`KickDrift`]: kicks and drifts, for `T(p) + V(q, t)`.
 //! * [`PartFlows`]: the flows of two parts, for `drift = [H_A, H_B]` with the tables for two parts.
 
 mod checks;
 pub(crate) mod flows;
 mod gradient;
-pub(crate) mod kept;
 mod lagrangian;
 mod linear;
+pub(crate) mod memory;
 mod pair;
 mod parts;
 pub(crate) mod stages;
@@ -31,7 +31,7 @@ mod structure;
 pub(crate) mod substeps;
 mod tables;
 mod text;
-pub(crate) mod windowed;
+pub(crate) mod tiled;
 
 use std::marker::PhantomData;
 
@@ -41,13 +41,13 @@ pub use checks::{check_table, check_weights};
 #[doc(hidden)]
 pub use flows::KickDrift;
 #[doc(hidden)]
-pub use pair::Pair;
+pub use pair::PairComposition;
 #[doc(hidden)]
 pub use parts::{Form, PartFlows};
 #[doc(hidden)]
 pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, TwoFlows, WholeOf};
 #[doc(hidden)]
-pub use substeps::{By, Half, Once, Substep};
+pub use substeps::{Half, SingleStep, Substep, Substeps};
 pub use tables::{
     Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
     TakahashiImada4, Yoshida4, Yoshida6,
@@ -153,7 +153,7 @@ pub trait Composes<E, K = General> {
 impl<E: Symmetric<K>, W: Weights, K> Composes<E, K> for W {
     const ORDER: u32 = W::ORDER;
     const LISTING: Listing = Listing::Steps(W::GAMMA);
-    type Steps = E::Steps<By<E, K, W>>;
+    type Steps = E::Steps<Substeps<E, K, W>>;
 
     fn substeps() -> Vec<Substep> {
         const { check_weights::<W>() };
@@ -172,7 +172,7 @@ fn of_table<W: Partitioned>() -> Vec<Substep> {
 }
 
 /// Drifts and kicks in turn, as steps of `Verlet` take them.
-type InTurn<K, W> = <Verlet as Symmetric<K>>::Steps<By<Verlet, K, W>>;
+type InTurn<K, W> = <Verlet as Symmetric<K>>::Steps<Substeps<Verlet, K, W>>;
 
 /// Tables for the structures `K`: the scheme that takes the steps, the names of the two flows and a note on
 /// them, and the parts of a step for the drifts and kicks of a table.
@@ -203,8 +203,8 @@ for_structures! {
     [K] BlanesMoan4 = Self: InTurn<K, Self>, DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE, <Verlet as Symmetric<K>>::splitting;
     [K] BlanesMoan6 = Self: InTurn<K, Self>, DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE, <Verlet as Symmetric<K>>::splitting;
     [K: QuadraticKinetic] Srkn6 = Self: InTurn<K, Self>, DRIFT_KICK, "", <[Substep]>::to_vec;
-    [K: QuadraticKinetic] Chin4 = Self: KickDrift<By<Verlet, K, Self>, true>, DRIFT_KICK, Self::NOTE, <[Substep]>::to_vec, Self::GRADIENT;
-    [K: QuadraticKinetic] TakahashiImada4 = Self: KickDrift<By<Verlet, K, Self>, true>, DRIFT_KICK, Self::NOTE, <[Substep]>::to_vec, Self::GRADIENT;
-    [K: TwoFlows] Aba864 = Self: K::Flows<By<Verlet, K, Self>>, K::PARTS, "", <[Substep]>::to_vec;
-    [K: TwoFlows] Aba1064 = Self: K::Flows<By<Verlet, K, Self>>, K::PARTS, "", <[Substep]>::to_vec;
+    [K: QuadraticKinetic] Chin4 = Self: KickDrift<Substeps<Verlet, K, Self>, true>, DRIFT_KICK, Self::NOTE, <[Substep]>::to_vec, Self::GRADIENT;
+    [K: QuadraticKinetic] TakahashiImada4 = Self: KickDrift<Substeps<Verlet, K, Self>, true>, DRIFT_KICK, Self::NOTE, <[Substep]>::to_vec, Self::GRADIENT;
+    [K: TwoFlows] Aba864 = Self: K::Flows<Substeps<Verlet, K, Self>>, K::PARTS, "", <[Substep]>::to_vec;
+    [K: TwoFlows] Aba1064 = Self: K::Flows<Substeps<Verlet, K, Self>>, K::PARTS, "", <[Substep]>::to_vec;
 }

@@ -31,14 +31,14 @@
 //! definite, if it is symmetric), as the connected one has and the next one has not, and the step is reported
 //! as doubtful.
 
-use crate::algebra::carry::Carry;
-use crate::algebra::few::{Few, List};
-use crate::algebra::memory::{Request, StepMemory};
+use crate::algebra::memory::{MemoryRequest, StepMemory};
+use crate::algebra::short_list::{ShortList, ShortOrLong};
 use crate::algebra::solve::{Doubt, Effort};
 use crate::algebra::state::Vector;
+use crate::algebra::state_sum::StateSum;
 use crate::error::StepFailure;
 use crate::scheme::system::{
-    At, Discretized, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are,
+    Discretized, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf, StepArguments, as_they_are,
 };
 
 /// The longest and the shortest part along which a solution is followed, as fractions of the step.
@@ -70,14 +70,14 @@ const MOST_CHECKED: usize = 64;
 /// A step to take.
 ///
 /// Passed and returned by value, so that the caller's own data stay in registers.
-pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
+pub(crate) struct HardStep<'a, H: Discretized<E>, E, C> {
     pub(crate) system: &'a H,
     pub(crate) prepared: PreparedOf<H, E>,
     pub(crate) t: f64,
     pub(crate) h: f64,
     pub(crate) q: H::Vector,
     pub(crate) p: H::Vector,
-    pub(crate) dw: List<'a, f64>,
+    pub(crate) dw: ShortOrLong<'a, f64>,
     pub(crate) carry: C,
 }
 
@@ -98,9 +98,9 @@ impl<V, C> Continued<V, (), C> {
     }
 }
 
-pub(crate) type Taken<H, E, C> = Continued<<H as Hamiltonian>::Vector, MemoryOf<H, E, f64>, C>;
-type Outcome<H, E, C> = Result<Taken<H, E, C>, StepFailure>;
-type Solved<H, C> = Result<Continued<<H as Hamiltonian>::Vector, (), C>, StepFailure>;
+pub(crate) type ContinuedStep<H, E, C> = Continued<<H as Hamiltonian>::Vector, MemoryOf<H, E, f64>, C>;
+type ContinuationResult<H, E, C> = Result<ContinuedStep<H, E, C>, StepFailure>;
+type SolvedState<H, C> = Result<Continued<<H as Hamiltonian>::Vector, (), C>, StepFailure>;
 
 /// Takes a step that failed for `cause`.
 ///
@@ -109,10 +109,10 @@ type Solved<H, C> = Result<Continued<<H as Hamiltonian>::Vector, (), C>, StepFai
 /// else the failure of the careful solution.
 #[cold]
 #[inline(never)]
-pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
-    hard: Hard<'_, H, E, C>,
+pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: StateSum<f64>>(
+    hard: HardStep<'_, H, E, C>,
     cause: StepFailure,
-) -> Outcome<H, E, C> {
+) -> ContinuationResult<H, E, C> {
     let lists = [hard.q.components(), hard.p.components(), &hard.dw, &[hard.t]];
     if cause.is_of_arguments() || !are_finite(lists) {
         return Err(cause);
@@ -125,7 +125,7 @@ fn are_finite(lists: [&[f64]; 4]) -> bool {
 }
 
 /// The point beyond which the curve of solutions could not be followed.
-pub(crate) struct End {
+pub(crate) struct ContinuationLimit {
     pub(crate) reached: f64,
     pub(crate) cause: Cause,
 }
@@ -141,9 +141,9 @@ pub(crate) enum Cause {
     Unknown,
 }
 
-impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
+impl<H: Discretized<E>, E, C: StateSum<f64>> HardStep<'_, H, E, C> {
     /// Solves the step at once; if a doubt remains, along the step.
-    fn solve_or_follow(&self) -> Outcome<H, E, C> {
+    fn solve_or_follow(&self) -> ContinuationResult<H, E, C> {
         let mut memory = MemoryOf::<H, E, f64>::default();
         let found = self.solve(&self.prepared, self.h, &self.dw, &mut memory);
         match found {
@@ -153,8 +153,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             }
             found => match self.follow() {
                 Ok(end) => Ok(end),
-                Err(End { reached, cause: Cause::Fold }) => Err(StepFailure::NoSolution { reached }),
-                Err(End { reached, cause }) => match found {
+                Err(ContinuationLimit { reached, cause: Cause::Fold }) => {
+                    Err(StepFailure::NoSolution { reached })
+                }
+                Err(ContinuationLimit { reached, cause }) => match found {
                     Ok(found) if !found.effort.is_elsewhere() => {
                         let effort = Effort { doubt: Doubt::Straying, ..found.effort };
                         Ok(Continued { effort, ..found }.leaving(memory))
@@ -176,12 +178,12 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         &self,
         [q, p]: [&H::Vector; 2],
         room: &mut MemoryOf<H, E, f64>,
-    ) -> Result<Option<Taken<H, E, C>>, StepFailure> {
+    ) -> Result<Option<ContinuedStep<H, E, C>>, StepFailure> {
         // With noise every step starts from zero.
         if 2 * self.q.components().len() > MOST_CHECKED || !self.dw.is_empty() {
             return Ok(None);
         }
-        room.tell(&Request::Forget);
+        room.tell(&MemoryRequest::Forget);
         let is_same = |end: [&H::Vector; 2]| is_near(&self.q, [q, end[0]]) && is_near(&self.p, [p, end[1]]);
         let found = self.solve(&self.prepared, self.h, &self.dw, room);
         let is_taken =
@@ -193,8 +195,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             Ok(end) => {
                 Ok(if end.effort.is_doubtful() || is_same([&end.q, &end.p]) { None } else { Some(end) })
             }
-            Err(End { reached, cause: Cause::Fold }) => Err(StepFailure::NoSolution { reached }),
-            Err(End { cause: Cause::Jump | Cause::Unknown, .. }) => Ok(None),
+            Err(ContinuationLimit { reached, cause: Cause::Fold }) => {
+                Err(StepFailure::NoSolution { reached })
+            }
+            Err(ContinuationLimit { cause: Cause::Jump | Cause::Unknown, .. }) => Ok(None),
         }
     }
 
@@ -205,18 +209,18 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         h: f64,
         dw: &[f64],
         memory: &mut MemoryOf<H, E, f64>,
-    ) -> Solved<H, C> {
+    ) -> SolvedState<H, C> {
         let (mut q, mut p, mut carry) = (self.q.clone(), self.p.clone(), self.carry.clone());
-        let at = At { t: self.t, h, q: q.components_mut(), p: p.components_mut(), dw };
+        let at = StepArguments { t: self.t, h, q: q.components_mut(), p: p.components_mut(), dw };
         let effort =
             SchemeOf::<H, E>::advance::<f64, f64, C, true>(self.system, prepared, at, memory, &mut carry)?;
         Ok(Continued { q, p, memory: (), carry, effort })
     }
 
     /// The solution that continues the state, or where it ends.
-    pub(crate) fn follow(&self) -> Result<Taken<H, E, C>, End> {
+    pub(crate) fn follow(&self) -> Result<ContinuedStep<H, E, C>, ContinuationLimit> {
         match self.follow_parts(true) {
-            Err(End { cause: Cause::Unknown, .. }) => {
+            Err(ContinuationLimit { cause: Cause::Unknown, .. }) => {
                 let mut end = self.follow_parts(false)?;
                 end.effort.doubt = Doubt::Straying;
                 Ok(end)
@@ -226,9 +230,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
     }
 
     /// Follows the solution in parts; `are_returned` requires that each leads back to its start.
-    fn follow_parts(&self, are_returned: bool) -> Result<Taken<H, E, C>, End> {
+    fn follow_parts(&self, are_returned: bool) -> Result<ContinuedStep<H, E, C>, ContinuationLimit> {
         let mut many = Vec::new();
-        let mut few = Few::of(&self.dw);
+        let mut few = ShortList::of(&self.dw);
         let dw: &mut [f64] = match &mut few {
             Some(few) => few,
             None => {
@@ -263,13 +267,13 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                         // The result is certain. Parts of a step do not predict the next step; the step
                         // itself may.
                         step.effort = Effort { doubt: Doubt::None, is_far: false, iterations, ..step.effort };
-                        left.tell(&Request::Hold);
+                        left.tell(&MemoryRequest::Hold);
                         return Ok(step.leaving(left));
                     }
                     let to = [step.q, step.p];
                     is_steep = is_steeper([&self.q, &self.p], [&at, &to], (fraction - reached) / fraction);
                     (at, memory) = (to, left);
-                    memory.tell(&Request::Hold);
+                    memory.tell(&MemoryRequest::Hold);
                     (reached, part) = (fraction, f64::min(2.0 * part, LONGEST));
                     kink.forget();
                 }
@@ -287,12 +291,12 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                             true => Cause::Fold,
                             false => Cause::Jump,
                         };
-                        return Err(End { reached, cause });
+                        return Err(ContinuationLimit { reached, cause });
                     }
                 }
             }
         }
-        Err(End { reached, cause: Cause::Unknown })
+        Err(ContinuationLimit { reached, cause: Cause::Unknown })
     }
 }
 

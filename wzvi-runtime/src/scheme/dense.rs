@@ -25,8 +25,8 @@ use crate::algebra::state::{State, Vector, copy, copy_state};
 use crate::scheme::plan::{NoiseClass, Plan};
 use crate::scheme::system::{Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
 use hermite::Hermite;
-pub use slopes::Slopes;
-use slopes::{Weights, weights};
+pub use slopes::RateCoefficients;
+use slopes::{NodeWeights, weights};
 
 /// The highest [`DenseOutput::order`] of schemes without a polynomial of their own.
 const MOST_HERMITE_ORDER: u32 = 9;
@@ -45,7 +45,8 @@ pub const fn hermite_order(plan: &Plan) -> u32 {
 
 /// The path between the two nodes of the last step.
 ///
-/// [`Stepper::step_densely`](crate::path::step::Stepper::step_densely) fills it in, and allocates nothing:
+/// [`Stepper::step_densely`](crate::trajectory::step::Stepper::step_densely) fills it in, and allocates
+/// nothing:
 ///
 /// ```ignore
 /// let mut dense = DenseOutput::of(&state);
@@ -58,7 +59,7 @@ pub struct DenseOutput<V> {
     ends: [State<V>; 2],
     h: f64,
     order: u32,
-    slopes: Slopes,
+    slopes: RateCoefficients,
     hermite: Hermite<V>,
     /// Scratch for a state during a step.
     room: Option<State<V>>,
@@ -71,7 +72,7 @@ impl<V: Vector> DenseOutput<V> {
             ends: [state.clone(), state.clone()],
             h: 0.0,
             order: 0,
-            slopes: Slopes::default(),
+            slopes: RateCoefficients::default(),
             hermite: Hermite::of(state),
             room: Some(state.clone()),
         }
@@ -112,7 +113,7 @@ impl<V: Vector> DenseOutput<V> {
 
     /// [`DenseOutput::write`] from a node, at the point with these weights.
     #[inline]
-    fn write_from(&self, node: &State<V>, weights: &Weights, into: &mut State<V>) {
+    fn write_from(&self, node: &State<V>, weights: &NodeWeights, into: &mut State<V>) {
         into.t = node.t + weights[0] * self.h;
         copy(&mut into.q, &node.q);
         copy(&mut into.p, &node.p);
@@ -182,7 +183,7 @@ impl<V: Vector> DenseOutput<V> {
         dw: &[f64],
     ) {
         if H::PROPERTIES.has_polynomial {
-            self.go([before, after], h, H::PROPERTIES.dense_order);
+            self.move_to([before, after], h, H::PROPERTIES.dense_order);
             SchemeOf::<H, E>::slopes_between(system, (prepared, memory), before, h, dw, &mut self.slopes);
         } else {
             self.fill_by_rates::<H, E>(system, [before, after], h, dw);
@@ -201,12 +202,12 @@ impl<V: Vector> DenseOutput<V> {
         let dw = dw.get(..system.noises()).unwrap_or(dw);
         let is_same = self.order == H::PROPERTIES.dense_order && h == self.h && dw.is_empty();
         let follows = is_same && nodes[0] == &self.ends[1];
-        self.go(nodes, h, H::PROPERTIES.dense_order);
+        self.move_to(nodes, h, H::PROPERTIES.dense_order);
         self.hermite.fill(system, &self.ends, h, dw, follows, self.order, &mut self.slopes);
     }
 
     /// Moves on to another step.
-    fn go(&mut self, nodes: [&State<V>; 2], h: f64, order: u32) {
+    fn move_to(&mut self, nodes: [&State<V>; 2], h: f64, order: u32) {
         for (end, state) in self.ends.iter_mut().zip(nodes) {
             copy_state(end, state);
         }
@@ -219,7 +220,7 @@ impl<V: Vector> DenseOutput<V> {
 pub(crate) struct Samples {
     rows: usize,
     parts: usize,
-    weights: Vec<Weights>,
+    weights: Vec<NodeWeights>,
 }
 
 impl Samples {

@@ -1,10 +1,10 @@
 //! Systems of elements: the code that `#[hamiltonian]` generates for a phase space of unknown dimension, and
 //! the step that uses it.
 //!
-//! The compiler gives the discrete Lagrangian as a table of [`Stage`]s, and the derivatives of the parts of
-//! the step Hamiltonian. Each stage has the weights of `q_i` and `q_{i+1}` in its coordinates and the parts
-//! that are evaluated there. The unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i` of the
-//! discrete Euler-Lagrange equations
+//! The compiler gives the discrete Lagrangian as a table of [`QuadraturePoint`]s, and the derivatives of the
+//! parts of the step Hamiltonian. Each stage has the weights of `q_i` and `q_{i+1}` in its coordinates and
+//! the parts that are evaluated there. The unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i`
+//! of the discrete Euler-Lagrange equations
 //!
 //! ```text
 //! L_d = P · u - Σ_s F_s(P, Q_s, T_s),  Q_s = q_i + c_s u,  T_s = t_i + c_s h,  P = p_i + v
@@ -29,18 +29,19 @@
 //! complete one in the order of a nested dissection, with which one product is enough at any stiffness.
 
 mod bath;
-mod beside;
 mod careful;
 mod change;
 mod costs;
 mod differentiate;
 mod explicit;
+mod factor_cache;
+mod gather;
 mod hamiltonian;
 mod in_loops;
 mod iterate;
 mod jacobian;
-mod kept;
 mod lagrangian;
+mod lanes;
 mod linear;
 mod memory;
 mod pairs;
@@ -50,28 +51,27 @@ pub mod places;
 mod preference;
 mod quadrature;
 mod rounding;
-mod side_by_side;
 mod step;
 mod sums;
-mod windows;
+mod tiles;
 
 pub(crate) use bath::{covector, damping, rates};
-pub use beside::Placements;
+pub use gather::Placements;
 pub(crate) use hamiltonian::{COUNTER_TERM, DRIFT, forces};
 pub use in_loops::{InLoops, Loops};
 pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
-pub use memory::Memory;
+pub use memory::LoopMemory;
 pub use pairs::{Pair, PairColumns, Row};
 pub(crate) use passes::are_finite;
-pub use quadrature::{MomentumUpdate, Quadrature, Stage, Unknowns};
+pub use quadrature::{MomentumUpdate, Quadrature, QuadraturePoint, Unknowns};
 pub(crate) use step::nothing;
-pub use sums::{Given, Run, Sums, apart, stretch};
-pub(crate) use windows::BLOCK;
-pub use windows::{Flow, Kick, LEAST_IN_WINDOWS, Move, Origin, Taken, WindowPlan, Word, take_windows};
+pub use sums::{AdjacentSums, ElementInput, Sums, disjoint_placements, stretch};
+pub(crate) use tiles::BLOCK;
+pub use tiles::{Flow, ForceArguments, KickForm, LEAST_IN_TILES, Move, NewState, TilePlan, Word, take_tiles};
 
 use std::ops::Range;
 
-pub use crate::algebra::lanes::single::{Alone, Usual};
+pub use crate::algebra::lanes::single::{CommonRange, FullRange};
 pub use crate::algebra::memory::{Iteration, Method};
 
 use hamiltonian::{FORCE, NOISE};
@@ -84,16 +84,16 @@ use crate::ground::variables::Variables;
 use crate::scheme::plan::Facts;
 use crate::scheme::system::no_nan;
 
-/// The slopes that are wanted. A variable that an element does not read costs nothing.
+/// The derivatives that are wanted. A variable that an element does not read costs nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Slopes {
+pub struct Partials {
     /// By coordinates.
     pub by_q: bool,
     /// By momenta.
     pub by_p: bool,
 }
 
-impl Slopes {
+impl Partials {
     /// By all.
     pub const ALL: Self = Self { by_q: true, by_p: true };
     /// By coordinates. Elements that read both halves of the phase space add those by momenta, too.
@@ -104,7 +104,7 @@ impl Slopes {
 
 /// The point at which elements are evaluated, and their weights.
 #[derive(Clone, Debug)]
-pub struct Point<'a, S: Scalar, V: ?Sized = [S]> {
+pub struct EvaluationPoint<'a, S: Scalar, V: ?Sized = [S]> {
     /// Coordinates.
     pub q: &'a V,
     /// Momenta.
@@ -113,7 +113,7 @@ pub struct Point<'a, S: Scalar, V: ?Sized = [S]> {
     pub t: S::Constant,
     /// The increment of the drift.
     pub h: S::Constant,
-    /// All parameters, where they have derivatives: [`Point::parameter`].
+    /// All parameters, where they have derivatives: [`EvaluationPoint::parameter`].
     pub parameters: &'a [S::Constant],
     /// The increments of the noises that act.
     pub dw: &'a [S],
@@ -124,7 +124,7 @@ pub struct Point<'a, S: Scalar, V: ?Sized = [S]> {
     pub scale: S::Constant,
 }
 
-impl<S: Scalar, V: Given<S> + ?Sized> Point<'_, S, V> {
+impl<S: Scalar, V: ElementInput<S> + ?Sized> EvaluationPoint<'_, S, V> {
     /// The degrees of freedom of the system.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn degrees(&self) -> usize {
@@ -146,7 +146,7 @@ impl<S: Scalar, V: Given<S> + ?Sized> Point<'_, S, V> {
 
 /// The variables of a second derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum By {
+pub enum HessianBlock {
     /// `∂²/∂q_i ∂q_j`, or `-∂f_i/∂q_j` of a force.
     QQ,
     /// `∂²/∂q_i ∂p_j`, or `-∂f_i/∂p_j` of a force.
@@ -159,7 +159,7 @@ pub enum By {
 /// [`Hamiltonian`](crate::scheme::system::Hamiltonian).
 ///
 /// Elements with the same rule for their increments form a *part*: the drift (part 0), the noises (part 1),
-/// the terms that a scheme adds to them (part 2), the force beside the drift (part 3; slopes `-f` by
+/// the terms that a scheme adds to them (part 2), the force beside the drift (part 3; derivatives `-f` by
 /// coordinates, no value) and, for values only, the first integrals, from part [`Facts::integrals`] on. A
 /// part is weighted by `weight` and by its increments.
 pub trait Elements: Sized {
@@ -202,7 +202,7 @@ pub trait Elements: Sized {
         0
     }
 
-    /// As `Hamiltonian::friction_rate`, with `parameters` as in [`Point`].
+    /// As `Hamiltonian::friction_rate`, with `parameters` as in [`EvaluationPoint`].
     fn friction_rate<K: Constant>(&self, parameters: &[K]) -> K {
         let _ = parameters;
         K::from_f64(0.0)
@@ -234,23 +234,23 @@ pub trait Elements: Sized {
 
     /// The weighted value of a part; 0 if the part does not exist. All slices have the checked number of
     /// degrees of freedom.
-    fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S;
+    fn value<S: Scalar>(&self, part: usize, weight: f64, at: &EvaluationPoint<'_, S>) -> S;
 
-    /// The number type of slopes where numbers are stored as `f64`: functions have the same bits on every
-    /// machine and in lanes.
+    /// The number type of derivatives where numbers are stored as `f64`: functions have the same bits on
+    /// every machine and in lanes.
     type Exact: Number<f64>;
 
-    /// The number type of slopes in vectorised loops: NaN where vector code cannot give the result of
+    /// The number type of derivatives in vectorised loops: NaN where vector code cannot give the result of
     /// [`Elements::Exact`].
-    type Usual: Number<f64>;
+    type CommonRange: Number<f64>;
 
-    /// Adds the weighted slopes of a part to `by_q` and `by_p`, computed in numbers `T`.
-    fn slopes<S: Scalar, T: Number<S>>(
+    /// Adds the weighted derivatives of a part to `by_q` and `by_p`, computed in numbers `T`.
+    fn gradient<S: Scalar, T: Number<S>>(
         &self,
         part: usize,
         weight: f64,
-        at: &Point<'_, S, impl Given<S> + ?Sized>,
-        wanted: Slopes,
+        at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+        wanted: Partials,
         by_q: &mut (impl Sums<S> + ?Sized),
         by_p: &mut (impl Sums<S> + ?Sized),
     );
@@ -258,19 +258,19 @@ pub trait Elements: Sized {
     /// Gives the weighted second derivatives of a part to `into`, entry by entry, with their variables. Each
     /// pair of different variables comes once, and its derivative is alone unless its mirror image is another
     /// entry: on the diagonal and in a force. Only those that steps need are generated. All noises act.
-    fn curvature<S: Scalar>(
+    fn hessian<S: Scalar>(
         &self,
         part: usize,
         weight: f64,
-        at: &Point<'_, S>,
-        wanted: Slopes,
-        into: &mut impl FnMut(By, [usize; 2], bool, S),
+        at: &EvaluationPoint<'_, S>,
+        wanted: Partials,
+        into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
     ) {
         let _ = (part, weight, at, wanted, into);
     }
 }
 
-impl<'a, S: Scalar, V: ?Sized> Point<'a, S, V> {
+impl<'a, S: Scalar, V: ?Sized> EvaluationPoint<'a, S, V> {
     /// A point at which no noise acts, with weight 1.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn new(
@@ -284,45 +284,45 @@ impl<'a, S: Scalar, V: ?Sized> Point<'a, S, V> {
     }
 }
 
-impl<S: Scalar> Point<'_, S> {
+impl<S: Scalar> EvaluationPoint<'_, S> {
     /// The point in numbers `f64`, if its numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn plain(&self) -> Option<Point<'_, f64>> {
+    fn plain(&self) -> Option<EvaluationPoint<'_, f64>> {
         let Self { q, p, t, h, dw, acting, scale, .. } = self;
-        let [q, p, dw] = [S::plain(q)?, S::plain(p)?, S::plain(dw)?];
+        let [q, p, dw] = [S::as_f64s(q)?, S::as_f64s(p)?, S::as_f64s(dw)?];
         let [t, h, scale] = [t, h, scale].map(|constant| constant.lane(0));
-        Some(Point { q, p, t, h, parameters: &[], dw, acting: acting.clone(), scale })
+        Some(EvaluationPoint { q, p, t, h, parameters: &[], dw, acting: acting.clone(), scale })
     }
 }
 
-/// Adds the weighted slopes of a part at all places; rows of pairs in vector instructions use the exact
+/// Adds the weighted derivatives of a part at all places; rows of pairs in vector instructions use the exact
 /// numbers.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn slopes<H: Elements, S: Scalar>(
     system: &H,
     (part, weight): (usize, f64),
-    at: &Point<'_, S>,
-    wanted: Slopes,
+    at: &EvaluationPoint<'_, S>,
+    wanted: Partials,
     by_q: &mut [S],
     by_p: &mut [S],
     columns: &mut PairColumns,
 ) {
-    if const { pairs::may_take_vectors::<H>() && S::MAY_BE_PLAIN }
+    if const { pairs::may_take_vectors::<H>() && S::MAY_BE_F64 }
         && pairs::takes_vectors::<H>(wanted, at.q.len())
         && let Some(at) = at.plain()
-        && let (Some(by_q), Some(by_p)) = (S::plain_mut(&mut *by_q), S::plain_mut(&mut *by_p))
+        && let (Some(by_q), Some(by_p)) = (S::as_f64s_mut(&mut *by_q), S::as_f64s_mut(&mut *by_p))
     {
-        pairs::slopes(system, (part, weight), &at, wanted, by_q, by_p, columns);
+        pairs::gradient_in_columns(system, (part, weight), &at, wanted, by_q, by_p, columns);
     } else {
-        system.slopes::<S, S::OfElements<H::Exact>>(part, weight, at, wanted, by_q, by_p);
+        system.gradient::<S, S::OfElements<H::Exact>>(part, weight, at, wanted, by_q, by_p);
     }
 }
 
-/// Where slopes are evaluated: `[t, h]`, `[q, p]` and the increments of the noises.
+/// Where derivatives are evaluated: `[t, h]`, `[q, p]` and the increments of the noises.
 pub type FieldAt<'a, S> = ([S; 2], [&'a [S]; 2], &'a [S]);
 
-/// The wanted slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`; `t` is the same in all lanes, or is not
-/// read.
+/// The wanted derivatives of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`; `t` is the same in all lanes, or is
+/// not read.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     (system, parameters): (&H, &[S::Constant]),
@@ -330,8 +330,11 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     [by_q, by_p]: [&mut [S]; 2],
     columns: &mut PairColumns,
 ) {
-    let at = Point { acting: 0..dw.len(), ..Point::new([q, p], t.to_constant(), parameters, dw) };
-    let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
+    let at = EvaluationPoint {
+        acting: 0..dw.len(),
+        ..EvaluationPoint::new([q, p], t.to_constant(), parameters, dw)
+    };
+    let wanted = Partials { by_q: BY_Q, by_p: BY_P };
     if BY_Q {
         by_q.fill(S::from_f64(0.0));
     }
@@ -354,13 +357,13 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     }
 }
 
-/// Adds the slopes of a step Hamiltonian `T(p) + V(q)` by `state`, the coordinates or the momenta.
+/// Adds the derivatives of a step Hamiltonian `T(p) + V(q)` by `state`, the coordinates or the momenta.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn add_slopes<H: Elements, S: Scalar>(
+pub(crate) fn add_gradient<H: Elements, S: Scalar>(
     system: &H,
     flow: Flow<'_, S>,
     state: &[S],
-    wanted: Slopes,
+    wanted: Partials,
     into: &mut [S],
     columns: &mut PairColumns,
 ) {
@@ -384,20 +387,25 @@ impl<'a, S: Scalar> Flow<'a, S> {
 
     /// The point of evaluation of elements that read only one half of the phase space.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn at<V: ?Sized>(&self, state: &'a V) -> Point<'a, S, V> {
+    fn at<V: ?Sized>(&self, state: &'a V) -> EvaluationPoint<'a, S, V> {
         let Self { t, h, parameters, dw } = *self;
-        Point { h, acting: 0..dw.len(), ..Point::new([state, state], t, parameters, dw) }
+        EvaluationPoint { h, acting: 0..dw.len(), ..EvaluationPoint::new([state, state], t, parameters, dw) }
     }
 }
 
-/// [`add_slopes`] for any sums.
+/// [`add_gradient`] for any sums.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn add_flow<H, S, T, V, A>(system: &H, flow: Flow<'_, S>, state: &V, wanted: Slopes, into: &mut A)
-where
+pub(crate) fn add_flow<H, S, T, V, A>(
+    system: &H,
+    flow: Flow<'_, S>,
+    state: &V,
+    wanted: Partials,
+    into: &mut A,
+) where
     H: Elements,
     S: Scalar,
     T: Number<S>,
-    V: Given<S> + ?Sized,
+    V: ElementInput<S> + ?Sized,
     A: Sums<S> + ?Sized,
 {
     let at = flow.at(state);
@@ -408,9 +416,9 @@ where
             continue;
         }
         if wanted.by_q {
-            system.slopes::<S, T>(part, 1.0, &at, wanted, into, none);
+            system.gradient::<S, T>(part, 1.0, &at, wanted, into, none);
         } else {
-            system.slopes::<S, T>(part, 1.0, &at, wanted, none, into);
+            system.gradient::<S, T>(part, 1.0, &at, wanted, none, into);
         }
     }
 }

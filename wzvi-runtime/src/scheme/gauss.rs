@@ -19,46 +19,46 @@
 
 mod action;
 mod advance;
-mod beside;
 mod choice;
 mod dense;
+mod double_double;
 mod equations;
-mod kept;
+mod memory;
 mod newton;
+mod solve;
 mod stages;
 mod stiff;
 mod sweep;
-mod table;
+mod tableau;
 mod tangent;
-mod wide;
 
-use crate::algebra::carry::{self, Carry};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::{Constant, Constants, Dual, Of, Over, Parameters, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Constants, ConstantsIn, Dual, Parameters, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::State;
+use crate::algebra::state_sum::{self, StateSum};
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::dense::Slopes;
-use crate::scheme::elements::{self, Elements, FieldAt, PairColumns, Taken, WindowPlan, Word};
+use crate::scheme::dense::RateCoefficients;
+use crate::scheme::elements::{self, Elements, FieldAt, NewState, PairColumns, TilePlan, Word};
 use crate::scheme::plan::{Facts, Plan, Solver};
 use crate::scheme::poles::Poles;
 use crate::scheme::system::{
-    At, DEVIATIONS, Lift, Movable, Properties, Scheme, Segment, TakenStep, as_they_are,
+    DEVIATIONS, LiftParameter, Movable, Properties, Scheme, Segment, StepArguments, TakenStep, as_they_are,
 };
 
 pub use crate::algebra::shape::{Dynamic, Fixed, Shape};
-pub use advance::Prepared;
-pub use kept::Memory;
-pub use stages::{One, Stages};
+pub use advance::GaussConstants;
+pub use memory::GaussMemory;
+pub use stages::{OneStage, Stages};
 
 /// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and
 /// consistent with every Stratonovich system. `Gauss<1>` is [`Midpoint`](crate::scheme::embedding::Midpoint).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gauss<const S: usize>;
 
-pub(crate) use table::quadrature;
+pub(crate) use tableau::quadrature;
 
-/// The slopes of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`; generated.
+/// The derivatives of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`; generated.
 pub trait Field: Elements + Sized {
     /// Whether `F` is a constant quadratic form of `p` plus a function of `q` and `t`.
     const IS_NYSTROM: bool;
@@ -71,25 +71,25 @@ pub trait Field: Elements + Sized {
     /// Lists of one entry per noise.
     type Noises: Shape;
 
-    /// The parameters that the slopes read, for systems whose lists are arrays: nothing else of the system is
-    /// read. Empty for others.
+    /// The parameters that the derivatives read, for systems whose lists are arrays: nothing else of the
+    /// system is read. Empty for others.
     type Parameters: Parameters;
 
     /// The values of these parameters.
-    fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K>;
+    fn parameters<K: Constant>(&self, lift: LiftParameter<'_, K>) -> ConstantsIn<Self::Parameters, K>;
 
     /// Takes all parts of a step of drifts and kicks, window by window, if the system [has
-    /// windows](Facts::has_windows) and `F = T(p) + V(q, t)`.
+    /// windows](Facts::has_tiles) and `F = T(p) + V(q, t)`.
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if the new state is not finite.
-    fn take_windows<'p, W: Word>(
+    fn take_tiles<'p, W: Word>(
         &self,
         word: &mut W,
         q: &[f64],
         p: &[f64],
-        plan: &'p mut WindowPlan,
-    ) -> Option<Result<Taken<'p>, StepFailure>> {
+        plan: &'p mut TilePlan,
+    ) -> Option<Result<NewState<'p>, StepFailure>> {
         let _ = (word, q, p, plan);
         None
     }
@@ -100,9 +100,9 @@ pub trait Field: Elements + Sized {
     /// `∂F/∂q` and `∂F/∂p`, as requested. Slices have one entry per degree of freedom or noise; `columns` is
     /// scratch.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step_slopes<K: Constant, S: Over<K>, const BY_Q: bool, const BY_P: bool>(
+    fn step_gradient<K: Constant, S: ComputesWith<K>, const BY_Q: bool, const BY_P: bool>(
         &self,
-        parameters: &Of<Self::Parameters, K>,
+        parameters: &ConstantsIn<Self::Parameters, K>,
         at: FieldAt<'_, S>,
         into: [&mut [S]; 2],
         columns: &mut PairColumns,
@@ -112,14 +112,14 @@ pub trait Field: Elements + Sized {
     }
 }
 
-/// The parameters of systems in lanes; `None` if slopes read more of a system.
+/// The parameters of systems in lanes; `None` if derivatives read more of a system.
 pub(crate) fn gather<F: Field, const L: usize>(
-    of_lanes: [&Of<F::Parameters, f64>; L],
-) -> Option<Of<F::Parameters, Lanes<L>>> {
+    of_lanes: [&ConstantsIn<F::Parameters, f64>; L],
+) -> Option<ConstantsIn<F::Parameters, Lanes<L>>> {
     F::Shape::IS_FIXED.then(|| F::Parameters::gather(of_lanes))
 }
 
-/// Fills the slopes with NaN, for lists that do not fit the system.
+/// Fills the derivatives with NaN, for lists that do not fit the system.
 #[cold]
 pub fn unfit<S: Scalar>(by_q: &mut [S], by_p: &mut [S]) {
     by_q.fill(S::from_f64(f64::NAN));
@@ -146,16 +146,20 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
         ),
         ..Properties::of(&<Self as Scheme<F>>::PLAN, size_of::<<Self as Scheme<F>>::Memory<f64>>())
     };
-    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, N, K>;
-    type Memory<S: Scalar> = Memory<S, F::Shape, F::Noises, N>;
-    type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
-    type Carry<S: Scalar> = carry::Compensated<S, F::Shape>;
+    type Prepared<K: Constant> = GaussConstants<ConstantsIn<F::Parameters, K>, N, K>;
+    type Memory<S: Scalar> = GaussMemory<S, F::Shape, F::Noises, N>;
+    type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
+    type Sum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
 
     fn memory(system: &F) -> Self::Memory<f64> {
         advance::memory(system)
     }
 
-    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
+    fn prepare<K: Constant>(
+        system: &F,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<Self::Prepared<K>, ConfigError> {
         advance::prepare(system, lift, h)
     }
 
@@ -164,10 +168,10 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Self::Prepared<K>,
-        at: At<'_, S, K, impl Movable<S> + ?Sized>,
+        at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -176,7 +180,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     }
 
     fn hand_values<S: Scalar>(from: &Self::Memory<f64>, to: &mut Self::Memory<S>) {
-        kept::hand_values(from, to);
+        memory::hand_values(from, to);
     }
 
     fn multiply(
@@ -195,7 +199,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
         before: &State<F::Vector>,
         h: f64,
         dw: &[f64],
-        slopes: &mut Slopes,
+        slopes: &mut RateCoefficients,
     ) {
         dense::slopes_between(system, prepared, memory, before, h, dw, slopes);
     }

@@ -32,7 +32,7 @@ use crate::scheme::embedding::{Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoin
 use crate::scheme::gauss::Gauss;
 use crate::scheme::system::{Discretized, Hamiltonian};
 use contraction::Contractions;
-use series::{HIGHEST_ORDER, Series, modified};
+use series::{HIGHEST_ORDER, TreeSeries, modified};
 
 /// Systems without noise whose Hamiltonian does not read the time: their symplectic steps conserve a modified
 /// energy.
@@ -126,7 +126,7 @@ impl<E: Symmetric<First: ModifiedBy, Second: ModifiedBy>, W: Composes<E>> Modifi
 /// compositions of order 4 and 6. It varies over a run by at least that.
 #[derive(Clone)]
 pub struct ModifiedHamiltonian<E> {
-    series: Series,
+    series: TreeSeries,
     scheme: PhantomData<fn() -> E>,
 }
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::bath::Friction;
 use super::compose::Form;
-use super::elements::Slopes;
+use super::elements::Partials;
 use super::system::Kind;
 
 /// How the step is solved.
@@ -103,20 +103,20 @@ pub struct Facts {
     pub parts: Option<(usize, [Form; 2])>,
     /// The index of the first part of the elements that is a first integral.
     pub integrals: usize,
-    /// Whether slopes can be computed window by window: elements that read coordinates add to adjacent
+    /// Whether derivatives can be computed tile by tile: elements that read coordinates add to adjacent
     /// places, and those that read momenta read one each and add to its place.
-    pub has_windows: bool,
-    /// Whether elements have rows of pairs, see [`Pair`](crate::scheme::elements::Pair): then slopes of large
-    /// systems in `f64` are vectorised.
+    pub has_tiles: bool,
+    /// Whether elements have rows of pairs, see [`Pair`](crate::scheme::elements::Pair): then derivatives of
+    /// large systems in `f64` are vectorised.
     pub has_pairs: bool,
-    /// The halves of the phase space with slopes of elements whose
+    /// The halves of the phase space with derivatives of elements whose
     /// [`Placements`](crate::scheme::elements::Placements) are evaluated in lanes: in large systems, with
     /// `f64`, these are vectorised.
-    pub gathers: Slopes,
-    /// Whether all velocities are the slopes of one element in one loop over all places.
+    pub gathers: Partials,
+    /// Whether all velocities are the derivatives of one element in one loop over all places.
     pub has_one_velocity: bool,
     /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor
-    /// increments; `false` without windows.
+    /// increments; `false` without tiles.
     pub has_constant_curvature: bool,
     /// The most degrees of freedom of one point that depend on each other, where elements of loops couple no
     /// points.
@@ -139,9 +139,9 @@ impl Facts {
             kind: Kind::AUTONOMOUS,
             parts: None,
             integrals: 3,
-            has_windows: false,
+            has_tiles: false,
             has_pairs: false,
-            gathers: Slopes { by_q: false, by_p: false },
+            gathers: Partials { by_q: false, by_p: false },
             has_one_velocity: false,
             has_constant_curvature: false,
             coupled_degrees: None,

@@ -90,15 +90,15 @@ pub(crate) fn check<H: Discretized<E>, E>(
         return Ok(());
     }
     let at = [start.q.components(), start.p.components()];
-    let curvature: Curvature<'_> = &|term, shift, direction, into| {
+    let curvature: HessianOf<'_> = &|term, shift, direction, into| {
         along(system, term, at, start.t, (shift, direction), into);
     };
     refuse([at[0].len(), system.noises()], h, (poles, bound), curvature)
 }
 
-/// Writes the derivative of the slopes of a term, `(H_q, H_p)`, in a direction of the phase space, at the
-/// start or at a state shifted from it.
-type Curvature<'c> = &'c dyn Fn(usize, bool, &dyn Fn(usize) -> f64, &mut [f64]);
+/// Writes the derivative of the derivatives of a term, `(H_q, H_p)`, in a direction of the phase space, at
+/// the start or at a state shifted from it.
+type HessianOf<'c> = &'c dyn Fn(usize, bool, &dyn Fn(usize) -> f64, &mut [f64]);
 
 fn along<H: Hamiltonian>(
     system: &H,
@@ -132,7 +132,7 @@ fn generic(component: usize) -> f64 {
 }
 
 /// A quadratic noise and the drift, by the degrees of freedom that the noise acts on.
-struct Noise {
+struct QuadraticNoise {
     /// `A_0` and `A_k`, for the points of both parts.
     of: [[DMatrix<f64>; 2]; 2],
 }
@@ -141,12 +141,12 @@ fn refuse(
     [degrees, noises]: [usize; 2],
     h: f64,
     (poles, bound): (Poles, &dyn Fn(f64) -> f64),
-    curvature: Curvature<'_>,
+    curvature: HessianOf<'_>,
 ) -> Result<(), ConfigError> {
     let stride = (noises * degrees).div_ceil(MOST).max(1);
     let mut found: Option<(f64, usize, f64)> = None;
     for number in (0..noises).step_by(stride) {
-        let Some(noise) = Noise::of(degrees, number, poles, curvature) else { continue };
+        let Some(noise) = QuadraticNoise::of(degrees, number, poles, curvature) else { continue };
         let reaches = |h: f64| noise.pole(h) <= bound(h);
         if !reaches(h) {
             continue;
@@ -182,9 +182,9 @@ fn largest(h: f64, reaches: &dyn Fn(f64) -> bool) -> f64 {
     if rounded != 0.0 && !reaches(rounded) { rounded } else { short }
 }
 
-impl Noise {
+impl QuadraticNoise {
     /// `None` unless it is quadratic, and acts on few enough degrees of freedom.
-    fn of(degrees: usize, number: usize, poles: Poles, curvature: Curvature<'_>) -> Option<Self> {
+    fn of(degrees: usize, number: usize, poles: Poles, curvature: HessianOf<'_>) -> Option<Self> {
         let (term, n) = (number + 1, 2 * degrees);
         let [mut here, mut there] = [vec![0.0; n], vec![0.0; n]];
         curvature(term, false, &generic, &mut here);
@@ -294,13 +294,13 @@ mod tests {
                 ([[s * omega * omega, 0.0], [0.0, s]], f64::INFINITY),
             ] {
                 let noise = hessian(noise);
-                let curvature: Curvature<'_> = &|term, _, direction, into| {
+                let curvature: HessianOf<'_> = &|term, _, direction, into| {
                     if term == 0 { drift(direction, into) } else { noise(direction, into) }
                 };
                 if omega == 0.0 && exact.is_infinite() {
                     continue;
                 }
-                let noise = Noise::of(1, 0, Poles::at(0.5), curvature).unwrap();
+                let noise = QuadraticNoise::of(1, 0, Poles::at(0.5), curvature).unwrap();
                 let found = noise.pole(h);
                 assert!(found == exact || (found / exact - 1.0).abs() < 1e-12, "{omega}: {found} {exact}");
             }

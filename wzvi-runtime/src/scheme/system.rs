@@ -20,8 +20,8 @@ use crate::scheme::plan::Plan;
 pub use own::{OneStep, Own, Scratch, StepField};
 pub use scheme::varied;
 pub use scheme::{
-    At, CarryOf, DEVIATIONS, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, TakenStep,
-    as_they_are,
+    DEVIATIONS, LiftParameter, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, StepArguments,
+    SumOf, TakenStep, as_they_are,
 };
 pub(crate) use scheme::{disequilibrium, varied_without_lists};
 pub use straight::{Solution, Straight, StraightLine, array_mut, covector, gradient, increments};
@@ -421,7 +421,7 @@ pub trait Discretized<E>: Hamiltonian + Sized {
         dw: &[S],
         memory: &mut MemoryOf<Self, E, S>,
     ) -> Result<Effort, StepFailure> {
-        anew::advance::<Self, Self::Scheme, f64, S>(self, prepared, At { t, h, q, p, dw }, memory)
+        anew::advance::<Self, Self::Scheme, f64, S>(self, prepared, StepArguments { t, h, q, p, dw }, memory)
     }
 
     /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A constant

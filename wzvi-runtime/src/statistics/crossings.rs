@@ -2,12 +2,12 @@
 //!
 //! Tested by `tests/paths/between/ensembles.rs`.
 
-use super::run::Statistics;
+use super::results::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
 use crate::algebra::crossing::Direction;
 use crate::algebra::welford::Welford;
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::{Parts, Rows};
+use crate::saving::table::{TableChunks, TableRows};
 
 /// How often paths crossed a section, and the states there, as far as they are kept: see
 /// [`crate::algebra::crossing`].
@@ -174,8 +174,8 @@ impl Numbers for EachSection {
 }
 
 impl EachSection {
-    fn counts(&self) -> Parts<'_> {
-        Rows::of((0..).zip(&self.0))
+    fn counts(&self) -> TableChunks<'_> {
+        TableRows::of((0..).zip(&self.0))
             .column("section", |&(section, _)| section)
             .column("count", |(_, crossings)| crossings.count())
             .column("rising", |(_, crossings)| crossings.count_towards(Direction::Rising))
@@ -186,12 +186,12 @@ impl EachSection {
             .parts("crossings")
     }
 
-    fn states(&self) -> Parts<'_> {
+    fn states(&self) -> TableChunks<'_> {
         let degrees = self.0.first().map_or(0, |crossings| crossings.degrees);
         let each = (0..)
             .zip(&self.0)
             .flat_map(|(section, crossings)| crossings.iter().map(move |crossing| (section, crossing)));
-        let mut rows = Rows::of(each)
+        let mut rows = TableRows::of(each)
             .column("section", |&(section, _)| section)
             .column("path", |(_, crossing)| crossing.path)
             .column("direction", |(_, crossing)| match crossing.direction {

@@ -3,7 +3,7 @@
 //! Tested by `tests/ensembles/statistics.rs`.
 
 use crate::error::{ConfigError, wrong};
-use crate::ground::digits::Brief;
+use crate::ground::digits::ShortestDecimal;
 use crate::ground::numbers::numbers;
 
 /// A limit on the number of bins, 128 MiB of them.
@@ -31,7 +31,7 @@ impl Histogram {
         // The edges are multiples of the whole range.
         let is_finite = ((upper - lower) * bins as f64).is_finite();
         if bins == 0 || !is_finite || width <= 0.0 {
-            let [lower, upper] = [lower, upper].map(Brief);
+            let [lower, upper] = [lower, upper].map(ShortestDecimal);
             return wrong(format!(
                 "a histogram with {bins} bins from {lower} to {upper}: they need a width above 0, and edges below the largest number"
             ));

@@ -4,11 +4,11 @@
 
 use std::fmt;
 
-use super::run::Statistics;
+use super::results::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
 use crate::error::{StepError, StepFailure, messages};
 use crate::ground::numbers::{Numbers, Tape, numbers};
-use crate::saving::table::Rows;
+use crate::saving::table::TableRows;
 
 /// Failed paths that are kept with their errors; further ones are only counted.
 const MOST_FAILURES: usize = 1000;
@@ -52,7 +52,7 @@ impl Statistic for Losses {
 
     fn rows<'s>(&'s self, _run: &'s Statistics) -> Tables<'s> {
         Tables(vec![
-            Rows::of(self.failures.iter())
+            TableRows::of(self.failures.iter())
                 .column("path", |failure| failure.path)
                 .column("step", |failure| failure.error.step)
                 .column("time", |failure| failure.error.t)

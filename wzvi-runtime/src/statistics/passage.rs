@@ -6,20 +6,20 @@ use std::fmt;
 
 use super::histogram::Histogram;
 use super::quantiles::Quantiles;
-use super::run::Statistics;
+use super::results::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
 use crate::algebra::student;
 use crate::algebra::welford::Welford;
 use crate::ground::digits::estimate;
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::{Parts, Rows};
+use crate::saving::table::{TableChunks, TableRows};
 
 /// When paths first crossed a zero of a function of the state.
 ///
-/// A passage is the first crossing that a [section](crate::path::section) counts: a change of sign, in either
-/// direction. A path that starts at zero has not passed, and passes when the function changes the sign that
-/// it has after the start. A path that starts beyond the level passes when it comes back. One that ends at
-/// zero, or touches it, has not passed. A path that has not passed at the end is censored there; one that
+/// A passage is the first crossing that a [section](crate::trajectory::section) counts: a change of sign, in
+/// either direction. A path that starts at zero has not passed, and passes when the function changes the sign
+/// that it has after the start. A path that starts beyond the level passes when it comes back. One that ends
+/// at zero, or touches it, has not passed. A path that has not passed at the end is censored there; one that
 /// fails before is lost at its last node.
 ///
 /// Without noise, crossings are found as those of sections are, between the nodes, too. With noise, signs are
@@ -279,8 +279,8 @@ impl Numbers for Events {
 }
 
 impl Events {
-    fn counts(&self) -> Parts<'_> {
-        Rows::of(self.0.iter())
+    fn counts(&self) -> TableChunks<'_> {
+        TableRows::of(self.0.iter())
             .column("event", |passages| passages.name().to_owned())
             .column("passed", |passages| passages.passed())
             .column("censored", |passages| passages.censored())
@@ -293,12 +293,12 @@ impl Events {
             .parts("passages")
     }
 
-    fn times(&self) -> Parts<'_> {
+    fn times(&self) -> TableChunks<'_> {
         let bins = self
             .0
             .iter()
             .flat_map(|passages| passages.histogram().bins().map(move |bin| (passages.name(), bin)));
-        Rows::of(bins)
+        TableRows::of(bins)
             .column("event", |(event, _)| (*event).to_owned())
             .column("count", |&(_, (count, _))| count)
             .column("lower", |&(_, (_, [lower, ..]))| lower)
@@ -307,7 +307,7 @@ impl Events {
             .parts("passage_times")
     }
 
-    fn of_paths(&self) -> Parts<'_> {
+    fn of_paths(&self) -> TableChunks<'_> {
         let each = self.0.iter().flat_map(|passages| {
             let kept = (0..).zip(passages.by_path().unwrap_or_default());
             kept.map(move |(path, passage)| (path, passages.name(), *passage))
@@ -317,7 +317,7 @@ impl Events {
             Passage::Censored => ("censored", f64::NAN),
             Passage::Lost(time) => ("lost", time),
         };
-        Rows::of(each)
+        TableRows::of(each)
             .column("path", |&(path, ..)| path)
             .column("event", |(_, event, _)| (*event).to_owned())
             .column("outcome", move |&(.., passage)| outcome(passage).0.to_owned())

@@ -5,13 +5,13 @@
 use crate::error::{ConfigError, wrong};
 use crate::ground::names::free;
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::Rows;
-use crate::statistics::run::Statistics;
+use crate::saving::table::TableRows;
+use crate::statistics::results::Statistics;
 use crate::statistics::statistic::{Seen, Statistic, Tables};
 
 /// The observables of every path at every recorded node.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Paths {
+pub struct PathValues {
     nodes: usize,
     observables: usize,
     /// The number of the first path of these.
@@ -20,7 +20,7 @@ pub struct Paths {
     values: Vec<f64>,
 }
 
-impl Paths {
+impl PathValues {
     pub(crate) fn new(nodes: usize, observables: usize) -> Self {
         Self { nodes, observables, first: 0, values: Vec::new() }
     }
@@ -55,10 +55,10 @@ impl Paths {
 }
 
 /// Collects paths if they are kept.
-impl Statistic for Option<Paths> {
+impl Statistic for Option<PathValues> {
     fn see(&mut self, path: u64, seen: &Seen<'_>) {
         let (Some(paths), Seen::Values { node, values: seen }) = (self, *seen) else { return };
-        let Paths { nodes, observables, first, values } = paths;
+        let PathValues { nodes, observables, first, values } = paths;
         let width = *nodes * *observables;
         if node == 0 {
             // Every path begins.
@@ -83,7 +83,7 @@ impl Statistic for Option<Paths> {
             let nodes = move |path| run.nodes().iter().enumerate().map(move |node| (paths, path, node));
             (0..paths.count()).flat_map(nodes)
         });
-        let mut rows = Rows::of(each)
+        let mut rows = TableRows::of(each)
             .column("path", |&(_, path, _)| path as u64)
             .column("time", |(.., (_, node))| node.time());
         for (name, own) in varying {
@@ -99,9 +99,9 @@ impl Statistic for Option<Paths> {
     }
 }
 
-impl Numbers for Option<Paths> {
+impl Numbers for Option<PathValues> {
     fn pass(&mut self, tape: &mut Tape) {
-        let Some(Paths { nodes, observables, values, .. }) = self else { return };
+        let Some(PathValues { nodes, observables, values, .. }) = self else { return };
         let length = tape.length(values.len());
         values.resize(length, f64::NAN);
         tape.numbers(values);

@@ -7,12 +7,12 @@ use std::fmt;
 use std::iter;
 
 use super::passage::Passage;
-use super::run::Statistics;
+use super::results::Statistics;
 use crate::algebra::crossing::Direction;
 use crate::error::{InternalError, StepError};
 use crate::ground::names::short_name;
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::{Parts, Table};
+use crate::saving::table::{Table, TableChunks};
 
 /// What a [`Statistic`] sees of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +85,7 @@ pub trait Statistic: Numbers + Clone + fmt::Debug + PartialEq + Send + Sync + 's
 }
 
 /// Tables, each whole or in parts with the same columns.
-pub struct Tables<'s>(pub(super) Vec<Parts<'s>>);
+pub struct Tables<'s>(pub(super) Vec<TableChunks<'s>>);
 
 impl fmt::Debug for Tables<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

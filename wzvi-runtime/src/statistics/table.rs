@@ -6,11 +6,11 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use super::run::Statistics;
+use super::results::Statistics;
 use crate::ground::names::free;
 use crate::saving::FileError;
 use crate::saving::file::{self, Staged};
-use crate::saving::table::{Parts, Rows, Table, escaped};
+use crate::saving::table::{Table, TableChunks, TableRows, escaped};
 
 impl Statistics {
     /// One file `<table>.csv` for each of [`Statistics::tables`] in a folder, which is made if it is not
@@ -61,10 +61,10 @@ impl Statistics {
         &self,
         folder: &Path,
         extension: &str,
-        write: impl Fn(&Table, Parts<'_>, &mut BufWriter<File>) -> io::Result<()>,
+        write: impl Fn(&Table, TableChunks<'_>, &mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<(), FileError> {
         file::create_folder(folder)?;
-        let stage = |mut parts: Parts<'_>| {
+        let stage = |mut parts: TableChunks<'_>| {
             let first = parts.next()?;
             let path = folder.join(first.name()).with_extension(extension);
             Some(Staged::write(&path, |file| write(&first, parts, file)))
@@ -98,7 +98,7 @@ impl Statistics {
     /// one had. Histograms have a bin below the first one that begins at minus infinity, one above the last,
     /// and one without edges for NaN; their density is NaN.
     pub fn tables(&self) -> Vec<Table> {
-        let whole = |parts: Parts<'_>| {
+        let whole = |parts: TableChunks<'_>| {
             parts.reduce(|mut table, part| {
                 table.append(part);
                 table
@@ -108,17 +108,17 @@ impl Statistics {
     }
 
     /// The tables, each in parts that are made on request: writing a file takes the memory of one part.
-    fn in_parts(&self) -> Vec<Parts<'_>> {
+    fn in_parts(&self) -> Vec<TableChunks<'_>> {
         std::iter::once(self.run()).chain(self.rows()).collect()
     }
 
-    fn run(&self) -> Parts<'_> {
+    fn run(&self) -> TableChunks<'_> {
         let targets = match self.met_targets() {
             Some(true) => "met",
             Some(false) => "missed",
             None => "none",
         };
-        let mut rows = Rows::of(&self.origin)
+        let mut rows = TableRows::of(&self.origin)
             .column("system", |origin| origin.system.clone())
             .column("scheme", |origin| origin.scheme.clone())
             .column("version", |_| env!("CARGO_PKG_VERSION").to_owned())

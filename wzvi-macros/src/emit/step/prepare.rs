@@ -92,9 +92,9 @@ impl Prepared {
         prepared.method = quote! {
             fn prepare<__K: __wzvi::Constant>(
                 &self,
-                __lift: __wzvi::Lift<'_, __K>,
+                __lift: __wzvi::LiftParameter<'_, __K>,
                 __h: __K,
-            ) -> __wzvi::Result<__wzvi::Of<Self::Prepared, __K>, __wzvi::ConfigError> {
+            ) -> __wzvi::Result<__wzvi::ConstantsIn<Self::Prepared, __K>, __wzvi::ConfigError> {
                 #statements
                 __wzvi::Ok(#value)
             }

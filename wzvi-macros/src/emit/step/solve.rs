@@ -48,12 +48,12 @@ pub(super) fn solution(
     let solve = quote! {
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn solve<
-                __S: __wzvi::Over<__K>,
+                __S: __wzvi::ComputesWith<__K>,
                 __K: __wzvi::Constant,
-                __C: __wzvi::Carry<__S>,
+                __C: __wzvi::StateSum<__S>,
                 const __CAREFUL: __wzvi::bool,
             >(
-                __prepared: &__wzvi::Of<Self::Prepared, __K>,
+                __prepared: &__wzvi::ConstantsIn<Self::Prepared, __K>,
                 __t: __K,
                 __h: __K,
                 __coordinates: [__S; #d],
@@ -100,7 +100,7 @@ impl SolveBody<'_> {
                 self.linear(solve, |pivot, rhs| quote!((#(#rhs)*) / __wzvi::usable::<__S>(#(#pivot)*)?))
             }
             Method::Factored => {
-                let (factor, over) = (self.factors.next(), quote!(<__S as __wzvi::Over<__K>>));
+                let (factor, over) = (self.factors.next(), quote!(<__S as __wzvi::ComputesWith<__K>>));
                 self.linear(solve, |_, rhs| quote!(#over::solve_factored(#factor, [#(#rhs),*])))
             }
             Method::Linear => self.linear(solve, |matrix, rhs| {
@@ -185,7 +185,7 @@ impl SolveBody<'_> {
 
             impl __wzvi::Block<#(#lengths),*, #n> for #name {
                 #[cfg_attr(not(debug_assertions), inline(always))]
-                fn equations<__S: __wzvi::Over<__K>, __K: __wzvi::Constant>(
+                fn equations<__S: __wzvi::ComputesWith<__K>, __K: __wzvi::Constant>(
                     #inputs: __wzvi::Inputs<__S, __K, #(#lengths),*>,
                     [#(#names),*]: [__S; #n],
                 ) -> ([__S; #n], [[__S; #n]; #n]) {

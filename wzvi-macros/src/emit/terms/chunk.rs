@@ -50,7 +50,7 @@ pub(super) struct Chunk<'a> {
     /// The weight of a placement, where each has its own.
     pub(super) weight: &'a TokenStream,
     /// Whether the loop is restricted to wanted places.
-    pub(super) has_windows: bool,
+    pub(super) has_tiles: bool,
     pub(super) derivative: Derivative,
     /// The lists that [`lists`] found, if placements that are not adjacent in the state are evaluated in
     /// lanes.
@@ -216,7 +216,7 @@ impl Chunk<'_> {
         };
         match self.outputs.iter().map(|(_, target)| place(target)).collect::<Option<Vec<_>>>() {
             Some(places)
-                if self.has_windows && self.derivative == Derivative::Gradient && !places.is_empty() =>
+                if self.has_tiles && self.derivative == Derivative::Gradient && !places.is_empty() =>
             {
                 let sums = written(self.outputs);
                 quote! {
@@ -363,7 +363,7 @@ impl Chunk<'_> {
             }
             Target::Hessian { by, row, column, is_alone } => {
                 let (row, column) = (indices.position(row), indices.position(column));
-                quote!(__into(__wzvi::elements::By::#by, [#row, #column], #is_alone, #value);)
+                quote!(__into(__wzvi::elements::HessianBlock::#by, [#row, #column], #is_alone, #value);)
             }
         }
     }

@@ -71,7 +71,7 @@ fn stage(stage: &Stage) -> TokenStream {
         quote!((#number, #weight))
     });
     quote! {
-        __wzvi::elements::Stage::new([#point, #start, #end], &[#(#parts),*])
+        __wzvi::elements::QuadraturePoint::new([#point, #start, #end], &[#(#parts),*])
     }
 }
 
@@ -79,14 +79,14 @@ fn stage(stage: &Stage) -> TokenStream {
 pub(crate) fn in_tiles() -> TokenStream {
     let f64 = quote!(__wzvi::f64);
     quote! {
-        fn take_windows<'p, __W: __wzvi::elements::Word>(
+        fn take_tiles<'p, __W: __wzvi::elements::Word>(
             &self,
             __word: &mut __W,
             __q: &[#f64],
             __p: &[#f64],
-            __plan: &'p mut __wzvi::elements::WindowPlan,
-        ) -> __wzvi::Option<__wzvi::Result<__wzvi::elements::Taken<'p>, __wzvi::StepFailure>> {
-            __wzvi::elements::take_windows(self, __word, __q, __p, __plan)
+            __plan: &'p mut __wzvi::elements::TilePlan,
+        ) -> __wzvi::Option<__wzvi::Result<__wzvi::elements::NewState<'p>, __wzvi::StepFailure>> {
+            __wzvi::elements::take_tiles(self, __word, __q, __p, __plan)
         }
     }
 }

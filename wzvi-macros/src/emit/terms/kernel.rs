@@ -183,7 +183,7 @@ impl ElementEmitter<'_> {
             outputs,
             arithmetic,
             weight,
-            has_windows: self.model.degrees_in_straight_lines().is_none(),
+            has_tiles: self.model.degrees_in_straight_lines().is_none(),
             derivative: self.derivative,
             gathered: None,
         };

@@ -155,9 +155,9 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
     let curvature = hessian_method(model, &parts, has_curvature);
     let first_integral = count(PartNumbers::of(model).integrals);
-    let has_windows = tiles::allows_tiles(model, &parts);
+    let has_tiles = tiles::allows_tiles(model, &parts);
     // Read where a window takes a whole step at once.
-    let is_constant = has_windows.is_some() && facts.has_constant_curvature;
+    let is_constant = has_tiles.is_some() && facts.has_constant_curvature;
     let has_loops = model.form == Form::Loops || model.line.is_none();
     // Steps in straight lines count the unknowns of their blocks.
     let coupled = facts.coupled_degrees.filter(|_| has_loops).map(count);
@@ -166,7 +166,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
         bath: numbered::bath(model),
         parts: numbered::forms(model, texts),
         integrals: (!model.invariants.is_empty()).then(|| quote!(#first_integral)),
-        has_windows,
+        has_tiles,
         has_pairs: holds(tiles::has_pairs(model, &parts)),
         gathers: tiles::gathered(model, &parts),
         has_one_velocity: holds(tiles::has_uniform_velocity(model, &parts)),
@@ -179,7 +179,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let shape = length_type(model.line.as_ref().map(|line| line.phase.q.len()));
     let structure = structure(texts);
     let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
-    let runs = has_loops.then(|| quote!(use #elements::Run as _;));
+    let runs = has_loops.then(|| quote!(use #elements::AdjacentSums as _;));
     let body = quote! {
             const FACTS: __wzvi::Facts = #known;
             type Shape = #shape;
@@ -191,7 +191,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
                 &self,
                 __part: #usize,
                 __weight: #f64,
-                __at: &#elements::Point<'_, __S>,
+                __at: &#elements::EvaluationPoint<'_, __S>,
             ) -> __S {
                 #of_value
                 match __part {
@@ -201,15 +201,15 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
             }
 
             type Exact = #exact;
-            type Usual = #usual;
+            type CommonRange = #usual;
 
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn slopes<__S: __wzvi::Scalar, __T: __wzvi::Number<__S>>(
+            fn gradient<__S: __wzvi::Scalar, __T: __wzvi::Number<__S>>(
                 &self,
                 __part: #usize,
                 __weight: #f64,
-                __at: &#elements::Point<'_, __S, impl #elements::Given<__S> + ?__wzvi::Sized>,
-                __partials: #elements::Slopes,
+                __at: &#elements::EvaluationPoint<'_, __S, impl #elements::ElementInput<__S> + ?__wzvi::Sized>,
+                __partials: #elements::Partials,
                 __by_q: &mut (impl #elements::Sums<__S> + ?__wzvi::Sized),
                 __by_p: &mut (impl #elements::Sums<__S> + ?__wzvi::Sized),
             ) {
@@ -252,13 +252,13 @@ fn hessian_method(model: &mut System, parts: &[PartElements], has_curvature: boo
     let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
     (!code.is_empty()).then(|| {
         quote! {
-            fn curvature<__S: __wzvi::Scalar>(
+            fn hessian<__S: __wzvi::Scalar>(
                 &self,
                 __part: #usize,
                 __weight: #f64,
-                __at: &__wzvi::elements::Point<'_, __S>,
-                __partials: __wzvi::elements::Slopes,
-                __into: &mut impl __wzvi::FnMut(__wzvi::elements::By, [#usize; 2], __wzvi::bool, __S),
+                __at: &__wzvi::elements::EvaluationPoint<'_, __S>,
+                __partials: __wzvi::elements::Partials,
+                __into: &mut impl __wzvi::FnMut(__wzvi::elements::HessianBlock, [#usize; 2], __wzvi::bool, __S),
             ) {
                 #opened
                 match __part {

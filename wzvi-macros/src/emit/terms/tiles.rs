@@ -25,7 +25,7 @@ pub(super) fn allows_tiles(model: &mut System, parts: &[PartElements]) -> Option
     let are_local = has_loops && is_contiguous(model, parts) && acts_on_all_it_reads(model, parts);
     match (&model.shape, degrees(model)) {
         (Shape::Array(..), degrees) if are_local => Some(match degrees {
-            Some(degrees) => quote!(#degrees >= __wzvi::elements::LEAST_IN_WINDOWS),
+            Some(degrees) => quote!(#degrees >= __wzvi::elements::LEAST_IN_TILES),
             None => quote!(true),
         }),
         _ => None,
@@ -93,7 +93,7 @@ pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenSt
         by_q |= is_force || element.coordinates().next().is_some();
         by_p |= !is_force && element.momenta().next().is_some();
     }
-    (by_q || by_p).then(|| quote!(__wzvi::elements::Slopes { by_q: #by_q, by_p: #by_p }))
+    (by_q || by_p).then(|| quote!(__wzvi::elements::Partials { by_q: #by_q, by_p: #by_p }))
 }
 
 /// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or
@@ -122,7 +122,7 @@ pub(super) fn numbers(model: &System, parts: &[PartElements]) -> [TokenStream; 2
     let reached = model.graph.reachable(&values);
     match reached.into_iter().all(|expr| is_correctly_rounded(model.graph.node(expr))) {
         true => [quote!(__wzvi::f64), quote!(__wzvi::f64)],
-        false => [quote!(__wzvi::elements::Alone), quote!(__wzvi::elements::Usual)],
+        false => [quote!(__wzvi::elements::FullRange), quote!(__wzvi::elements::CommonRange)],
     }
 }
 

@@ -17,10 +17,10 @@ use crate::ground::numbers::{Numbers, Tape, numbers};
 pub struct Single<const STANDS_ALONE: bool>(f64);
 
 /// A number by itself.
-pub type Alone = Single<true>;
+pub type FullRange = Single<true>;
 
 /// A number in a loop over neighbours.
-pub type Usual = Single<false>;
+pub type CommonRange = Single<false>;
 
 impl<const STANDS_ALONE: bool> Number<f64> for Single<STANDS_ALONE> {
     #[cfg_attr(not(debug_assertions), inline(always))]

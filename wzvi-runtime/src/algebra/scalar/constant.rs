@@ -13,10 +13,10 @@ use crate::ground::numbers::for_tuples;
 
 /// The type of prepared numbers: `f64` where all lanes of a step have one system, [`Lanes`] where each has
 /// its own, [`Dual`] for derivatives with respect to parameters and the step size.
-pub trait Constant: Over<Self> + Scalar<Mask: Send + Sync> + Send + Sync {
+pub trait Constant: ComputesWith<Self> + Scalar<Mask: Send + Sync> + Send + Sync {
     /// A factored matrix of such numbers.
     type Factor<const N: usize>: Clone + Debug + Send + Sync;
-    /// The constants of numbers with one more derivative, [`Over::Along`]. Systems in lanes share the
+    /// The constants of numbers with one more derivative, [`ComputesWith::Along`]. Systems in lanes share the
     /// constants of the first.
     type Lifted: Constant;
 
@@ -80,12 +80,12 @@ impl<const L: usize> Constant for Lanes<L> {
 
 /// Numbers that are computed with constants `K`.
 #[rustfmt::skip]
-pub trait Over<K: Constant>:
+pub trait ComputesWith<K: Constant>:
     Scalar + Add<K, Output = Self> + Sub<K, Output = Self> + Mul<K, Output = Self> + Div<K, Output = Self>
 {
     /// [`Dual<1, Self>`](Dual).
-    type Along: Over<K::Lifted>;
-    /// The lists as lists of [`Over::Along`].
+    type Along: ComputesWith<K::Lifted>;
+    /// The lists as lists of [`ComputesWith::Along`].
     fn along<const N: usize>(lists: [&mut [Dual<1, Self>]; N]) -> [&mut [Self::Along]; N];
     /// A constant as such a number.
     fn constant(constant: K) -> Self;
@@ -107,7 +107,7 @@ pub trait Over<K: Constant>:
     fn solve_factored<const N: usize>(factor: &K::Factor<N>, b: [Self; N]) -> [Self; N];
 }
 
-impl<S: Scalar> Over<f64> for S {
+impl<S: Scalar> ComputesWith<f64> for S {
     type Along = Dual<1, Self>;
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn along<const N: usize>(lists: [&mut [Dual<1, Self>]; N]) -> [&mut [Dual<1, Self>]; N] {
@@ -127,7 +127,7 @@ impl<S: Scalar> Over<f64> for S {
     }
 }
 
-impl<const D: usize, C: Constant<Mask = bool, Constant = C>> Over<Self> for Dual<D, C> {
+impl<const D: usize, C: Constant<Mask = bool, Constant = C>> ComputesWith<Self> for Dual<D, C> {
     type Along = Dual<1, Self>;
     #[inline]
     fn along<const N: usize>(lists: [&mut [Dual<1, Self>]; N]) -> [&mut [Dual<1, Self>]; N] {
@@ -151,7 +151,7 @@ impl<const D: usize, C: Constant<Mask = bool, Constant = C>> Over<Self> for Dual
     }
 }
 
-impl<const L: usize> Over<Self> for Lanes<L> {
+impl<const L: usize> ComputesWith<Self> for Lanes<L> {
     type Along = Dual<1, Self>;
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn along<const N: usize>(lists: [&mut [Dual<1, Self>]; N]) -> [&mut [Dual<1, Self>]; N] {
@@ -178,14 +178,14 @@ impl<const L: usize> Over<Self> for Lanes<L> {
 /// Constants of a step, in numbers of any type.
 pub trait Constants {
     /// In numbers of one type.
-    type Of<K: Constant>: Clone + Debug + Send + Sync;
+    type In<K: Constant>: Clone + Debug + Send + Sync;
 
     /// The constants of `L` systems, one in each lane.
-    fn gather<const L: usize>(of_lanes: [&Self::Of<f64>; L]) -> Self::Of<Lanes<L>>;
+    fn gather<const L: usize>(of_lanes: [&Self::In<f64>; L]) -> Self::In<Lanes<L>>;
 }
 
 /// Constants in numbers of one type.
-pub type Of<C, K> = <C as Constants>::Of<K>;
+pub type ConstantsIn<C, K> = <C as Constants>::In<K>;
 
 /// `N` numbers.
 #[derive(Clone, Copy, Debug)]
@@ -194,9 +194,9 @@ pub struct Reals<const N: usize>;
 /// Constants that are numbers and nothing else.
 pub trait Parameters: Constants {
     /// The constants of one lane, without derivatives.
-    fn lane<K: Constant>(of: &Self::Of<K>, lane: usize) -> Self::Of<f64>;
+    fn lane<K: Constant>(of: &Self::In<K>, lane: usize) -> Self::In<f64>;
     /// The list of all parameters, where these are [`Varied`].
-    fn varied<K: Constant>(of: &Self::Of<K>) -> &[K];
+    fn varied<K: Constant>(of: &Self::In<K>) -> &[K];
 }
 
 /// All parameters where they have derivatives, else none: what elements read as [`Constant::parameter`].
@@ -204,7 +204,7 @@ pub trait Parameters: Constants {
 pub struct Varied;
 
 impl Constants for Varied {
-    type Of<K: Constant> = Vec<K>;
+    type In<K: Constant> = Vec<K>;
 
     fn gather<const L: usize>(_: [&Vec<f64>; L]) -> Vec<Lanes<L>> {
         Vec::new()
@@ -231,7 +231,7 @@ impl<const N: usize> Parameters for Reals<N> {
 }
 
 impl<const N: usize> Constants for Reals<N> {
-    type Of<K: Constant> = [K; N];
+    type In<K: Constant> = [K; N];
 
     fn gather<const L: usize>(of_lanes: [&[f64; N]; L]) -> [Lanes<L>; N] {
         from_fn(|i| Lanes::new(of_lanes.map(|numbers| numbers[i])))
@@ -243,7 +243,7 @@ impl<const N: usize> Constants for Reals<N> {
 pub struct Truths<const N: usize>;
 
 impl<const N: usize> Constants for Truths<N> {
-    type Of<K: Constant> = [K::Mask; N];
+    type In<K: Constant> = [K::Mask; N];
 
     fn gather<const L: usize>(of_lanes: [&[bool; N]; L]) -> [LaneMask<L>; N] {
         from_fn(|i| LaneMask::of_lanes(|lane| of_lanes[lane][i]))
@@ -255,7 +255,7 @@ impl<const N: usize> Constants for Truths<N> {
 pub struct Factored<const N: usize>;
 
 impl<const N: usize> Constants for Factored<N> {
-    type Of<K: Constant> = K::Factor<N>;
+    type In<K: Constant> = K::Factor<N>;
 
     fn gather<const L: usize>(of_lanes: [&Factor<f64, N>; L]) -> FactorsByLane<L, N> {
         FactorsByLane::gather(of_lanes)
@@ -266,9 +266,9 @@ impl<const N: usize> Constants for Factored<N> {
 macro_rules! tuples {
     ($(($($part:ident $place:tt)+))+) => {$(
         impl<$($part: Constants,)+> Constants for ($($part,)+) {
-            type Of<Number: Constant> = ($($part::Of<Number>,)+);
+            type In<Number: Constant> = ($($part::In<Number>,)+);
 
-            fn gather<const LANES: usize>(of_lanes: [&Self::Of<f64>; LANES]) -> Self::Of<Lanes<LANES>> {
+            fn gather<const LANES: usize>(of_lanes: [&Self::In<f64>; LANES]) -> Self::In<Lanes<LANES>> {
                 ($($part::gather(of_lanes.map(|parts| &parts.$place)),)+)
             }
         }

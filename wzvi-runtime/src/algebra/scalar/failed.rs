@@ -26,6 +26,6 @@ impl StepFailure {
     #[cfg_attr(not(debug_assertions), inline(always))]
     #[must_use]
     pub fn but_of<S: Scalar>(taken: S::Mask) -> Self {
-        if S::GOES_IN_PART { Self::Lanes(FailedLanes::of::<S>(!taken)) } else { Self::NonFinite }
+        if S::MAY_FAIL_BY_LANE { Self::Lanes(FailedLanes::of::<S>(!taken)) } else { Self::NonFinite }
     }
 }

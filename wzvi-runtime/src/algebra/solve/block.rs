@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use super::dense::linear;
 use super::effort::Effort;
 use super::newton::{Equations, newton, solve_pair};
-use crate::algebra::scalar::{Constant, Mask, Over, Rounded, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Mask, Rounded, Scalar};
 use crate::error::StepFailure;
 
 /// Inputs of the equations of a block besides their unknowns: numbers and truths of the state, then those of
@@ -19,7 +19,7 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
     Sized
 {
     /// The residuals, and their Jacobian by rows.
-    fn equations<S: Over<K>, K: Constant>(
+    fn equations<S: ComputesWith<K>, K: Constant>(
         given: Inputs<S, K, G, M, C, T>,
         x: [S; N],
     ) -> ([S; N], [[S; N]; N]);
@@ -32,14 +32,20 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
     /// `CAREFUL`, of any iteration whose corrections do not shrink fast. In lanes, paths without a
     /// solution have NaN instead, unless `CAREFUL`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn newton<S: Over<K>, K: Constant, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
+    fn newton<
+        S: ComputesWith<K>,
+        K: Constant,
+        const SYMMETRIC: bool,
+        const GUESS: bool,
+        const CAREFUL: bool,
+    >(
         given: Inputs<S, K, G, M, C, T>,
         x: &mut [S; N],
     ) -> Result<Effort, StepFailure> {
         if const { S::DERIVATIVES > 0 } {
             return Self::differentiate::<S, K, SYMMETRIC, GUESS, CAREFUL>(given, x);
         }
-        let posed = Posed::<Self, S, K, G, M, C, T> { given, block: PhantomData };
+        let posed = BlockWithInputs::<Self, S, K, G, M, C, T> { given, block: PhantomData };
         newton::<S, N, SYMMETRIC, GUESS, CAREFUL>(x, posed)
     }
 
@@ -50,7 +56,7 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
     /// The errors of the values, and of a Jacobian that has no inverse there.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn differentiate<
-        S: Over<K>,
+        S: ComputesWith<K>,
         K: Constant,
         const SYMMETRIC: bool,
         const GUESS: bool,
@@ -98,7 +104,7 @@ fn solve_linear<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: [S; N]) -> R
         return Ok(x);
     }
     // In lanes, each path would take it or not on account of the others.
-    if !S::IS_BESIDE
+    if !S::LANES_ARE_PATHS
         && let Some(x) = solve_pair::<S, N, false>(matrix, &b)
     {
         return Ok(x);
@@ -107,13 +113,21 @@ fn solve_linear<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: [S; N]) -> R
 }
 
 /// A block with its inputs.
-struct Posed<B, S: Scalar, K: Scalar, const G: usize, const M: usize, const C: usize, const T: usize> {
+struct BlockWithInputs<
+    B,
+    S: Scalar,
+    K: Scalar,
+    const G: usize,
+    const M: usize,
+    const C: usize,
+    const T: usize,
+> {
     given: Inputs<S, K, G, M, C, T>,
     block: PhantomData<B>,
 }
 
 impl<B, S: Scalar, K: Scalar, const G: usize, const M: usize, const C: usize, const T: usize> Clone
-    for Posed<B, S, K, G, M, C, T>
+    for BlockWithInputs<B, S, K, G, M, C, T>
 {
     fn clone(&self) -> Self {
         *self
@@ -121,15 +135,15 @@ impl<B, S: Scalar, K: Scalar, const G: usize, const M: usize, const C: usize, co
 }
 
 impl<B, S: Scalar, K: Scalar, const G: usize, const M: usize, const C: usize, const T: usize> Copy
-    for Posed<B, S, K, G, M, C, T>
+    for BlockWithInputs<B, S, K, G, M, C, T>
 {
 }
 
 impl<B, S, K, const G: usize, const M: usize, const C: usize, const T: usize, const N: usize> Equations<S, N>
-    for Posed<B, S, K, G, M, C, T>
+    for BlockWithInputs<B, S, K, G, M, C, T>
 where
     B: Block<G, M, C, T, N>,
-    S: Over<K>,
+    S: ComputesWith<K>,
     K: Constant,
 {
     #[cfg_attr(not(debug_assertions), inline(always))]

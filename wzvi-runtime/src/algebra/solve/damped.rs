@@ -97,7 +97,7 @@ pub(crate) trait Problem {
 
 /// The work space of [`damped`]; the caller owns it, so that it is allocated once.
 #[derive(Debug, Default)]
-pub(crate) struct Room<V> {
+pub(crate) struct NewtonScratch<V> {
     x: V,
     /// `r` at the start.
     first: V,
@@ -111,7 +111,7 @@ pub(crate) struct Room<V> {
     next: V,
 }
 
-impl<V: Clone> Room<V> {
+impl<V: Clone> NewtonScratch<V> {
     /// Room for vectors such as this one.
     pub(crate) fn of(start: &V) -> Self {
         let [x, first, correction, trial, residual, next] = std::array::from_fn(|_| start.clone());
@@ -135,7 +135,7 @@ impl<V: Clone> Room<V> {
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`].
 pub(crate) fn damped<P: Problem>(
     problem: &mut P,
-    room: &mut Room<P::Vector>,
+    room: &mut NewtonScratch<P::Vector>,
     start: &P::Vector,
 ) -> Result<Effort, StepFailure> {
     let mut has_contacts = false;
@@ -174,7 +174,7 @@ enum Lengths {
 /// Where an iteration is.
 struct Search<'a, P: Problem> {
     problem: &'a mut P,
-    room: &'a mut Room<P::Vector>,
+    room: &'a mut NewtonScratch<P::Vector>,
     lengths: Lengths,
     /// The number of unknowns that no correction has moved.
     unmoved: usize,
@@ -195,8 +195,8 @@ impl<P: Problem> Search<'_, P> {
         self.reaches();
         let is_far = !is_about(self.room.correction.as_ref(), self.room.first.as_ref());
         loop {
-            self.go(1.0);
-            let Room { x, correction, trial, .. } = &*self.room;
+            self.set_trial(1.0);
+            let NewtonScratch { x, correction, trial, .. } = &*self.room;
             let size = largest(correction.as_ref(), trial.as_ref(), NONE);
             let mut beyond = || {
                 let are_settled = self.problem.are_settled(x);
@@ -288,7 +288,7 @@ impl<P: Problem> Search<'_, P> {
             let mut solved = self.problem.correct(&mut self.room.next);
             contracts &= length < 1.0 || solved.is_ok() && self.shrinks(safe);
             if !shortens || solved.is_ok() && self.shrinks(1.0 - 0.5 * length) {
-                solved = self.advance();
+                solved = self.accept_trial();
                 if solved.is_ok() {
                     return Ok(Descent { length, contracts });
                 }
@@ -319,7 +319,7 @@ impl<P: Problem> Search<'_, P> {
             let left = pull(&self.room.x, &self.room.correction, &self.room.next);
             let allowed = if point == 0 { OVERSHOT } else { NEAR_ZERO };
             if left.abs() <= allowed * whole || point == 0 && left > 0.0 {
-                self.advance()?;
+                self.accept_trial()?;
                 return Ok(point == 0);
             }
             // Also where nothing is finite.
@@ -338,13 +338,13 @@ impl<P: Problem> Search<'_, P> {
             return Err(lost);
         }
         self.try_length(near.0);
-        self.advance()?;
+        self.accept_trial()?;
         Ok(false)
     }
 
     /// The trial at this length, with its residual, from which the next correction follows.
     fn try_length(&mut self, length: f64) {
-        self.go(length);
+        self.set_trial(length);
         self.problem.residual(&self.room.trial, &mut self.room.residual);
         self.room.next.clone_from(&self.room.residual);
     }
@@ -353,7 +353,7 @@ impl<P: Problem> Search<'_, P> {
     ///
     /// # Errors
     /// If there are none; `x` stays where it is, without factors.
-    fn advance(&mut self) -> Result<(), StepFailure> {
+    fn accept_trial(&mut self) -> Result<(), StepFailure> {
         self.room.next.clone_from(&self.room.residual);
         self.factor()?;
         self.problem.correct(&mut self.room.next)?;
@@ -377,8 +377,8 @@ impl<P: Problem> Search<'_, P> {
     }
 
     /// `trial = x - length · correction`
-    fn go(&mut self, length: f64) {
-        let Room { x, correction, trial, .. } = &mut *self.room;
+    fn set_trial(&mut self, length: f64) {
+        let NewtonScratch { x, correction, trial, .. } = &mut *self.room;
         go(x.as_ref(), correction.as_ref(), length, trial.as_mut());
     }
 
@@ -386,7 +386,7 @@ impl<P: Problem> Search<'_, P> {
     /// Unknowns whose equations at the trial are at rounding, which no step makes smaller, do not count.
     /// False for NaN.
     fn shrinks(&mut self, to: f64) -> bool {
-        let Room { x, correction, next, .. } = &*self.room;
+        let NewtonScratch { x, correction, next, .. } = &*self.room;
         shrinks(x.as_ref(), correction.as_ref(), next.as_ref(), to, NONE) || {
             let are_settled = self.problem.are_settled(&self.room.trial);
             shrinks(x.as_ref(), correction.as_ref(), next.as_ref(), to, are_settled.as_ref())
@@ -573,7 +573,7 @@ mod tests {
         start: [f64; N],
         equations: E,
     ) -> Result<([f64; N], Effort), StepFailure> {
-        let mut room = Room::of(&start);
+        let mut room = NewtonScratch::of(&start);
         let mut problem = Dense::<E, f64, N, false>::new(equations);
         damped(&mut problem, &mut room, &start).map(|effort| (*room.solution(), effort))
     }

@@ -75,7 +75,7 @@ impl Effort {
     /// With that of other equations, each of which have a determinant of their own.
     #[cfg_attr(not(debug_assertions), inline(always))]
     #[must_use]
-    pub fn beside(self, other: Self) -> Self {
+    pub fn and_block(self, other: Self) -> Self {
         Self { is_reversed: self.is_reversed | other.is_reversed, ..self + other }
     }
 }

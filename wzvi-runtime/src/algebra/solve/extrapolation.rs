@@ -1,6 +1,6 @@
 //! The starting value of the iteration of a step, extrapolated from previous steps.
 
-use crate::algebra::memory::{Request, StepMemory};
+use crate::algebra::memory::{MemoryRequest, StepMemory};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::ground::numbers::{Numbers, Tape};
 
@@ -59,7 +59,7 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
     pub fn record_where<const USED: bool>(&mut self, taken: S::Mask, solution: [S; N]) {
         if taken.all() {
             self.record::<USED>(solution);
-        } else if S::GOES_IN_PART {
+        } else if S::MAY_FAIL_BY_LANE {
             *self = self.recorded_in_part::<USED>(taken, solution);
         }
     }
@@ -95,10 +95,10 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
 
 impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn tell(&mut self, request: &Request) {
+    fn tell(&mut self, request: &MemoryRequest) {
         match request {
-            Request::Forget => *self = Self::default(),
-            Request::Hold => {
+            MemoryRequest::Forget => *self = Self::default(),
+            MemoryRequest::Hold => {
                 self.past = [self.past[0]; 3];
                 (self.known[1], self.is_full) = (S::Mask::from_bool(false), false);
             }

@@ -19,7 +19,7 @@ use crate::algebra::scalar::{Mask, Scalar};
 /// Whether each lane is solved for by itself.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) const fn decides_by_lane<S: Scalar>() -> bool {
-    S::IS_BESIDE && S::LANES > 1
+    S::LANES_ARE_PATHS && S::LANES > 1
 }
 
 fn poison<S: Scalar>() -> S {
@@ -34,7 +34,7 @@ fn exceeds<S: Scalar>(a: S, b: S) -> S::Mask {
 
 /// `Convergence::glance`, by lane.
 #[derive(Clone, Copy)]
-struct Glances<S: Scalar> {
+struct LaneConvergence<S: Scalar> {
     curved: S,
     /// Infinite where a lane is done: numbers stay in vector registers from iteration to iteration where
     /// truths do not.
@@ -43,7 +43,7 @@ struct Glances<S: Scalar> {
     is_guess: bool,
 }
 
-impl<S: Scalar> Glances<S> {
+impl<S: Scalar> LaneConvergence<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(is_guess: bool) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl<S: Scalar> Glances<S> {
     /// Notes the verdicts where they take no more than the corrections; `false`, and nothing is noted, where
     /// a lane's depends on its residuals.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take(&mut self, relative: S) -> bool {
+    fn note_verdicts(&mut self, relative: S) -> bool {
         let square = relative * relative;
         // A lane that is done stays so, unless the next correction is not a number.
         let done = (square * relative).less_equal(self.enough);
@@ -112,13 +112,13 @@ pub(super) fn iterate<S: Scalar, const N: usize>(
     is_symmetric: bool,
     equations: impl Equations<S, N>,
 ) -> ([S; N], Effort) {
-    let (mut x, mut convergence) = (start, Glances::new(is_guess));
+    let (mut x, mut convergence) = (start, LaneConvergence::new(is_guess));
     let mut level = S::from_f64(0.0);
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let Some(correction) = safe_correction(&jacobian, &residual, is_symmetric) else { break };
         let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
-        if !convergence.take(largest) {
+        if !convergence.note_verdicts(largest) {
             break;
         }
         for i in 0..N {
@@ -134,7 +134,7 @@ pub(super) fn iterate<S: Scalar, const N: usize>(
 }
 
 /// The iteration of one lane.
-struct Path {
+struct LaneSearch {
     convergence: Convergence,
     is_done: bool,
     /// Whether it went astray.
@@ -148,12 +148,12 @@ struct Path {
 fn resumed<S: Scalar, const N: usize>(
     mut x: [S; N],
     mut level: S,
-    convergence: Glances<S>,
+    convergence: LaneConvergence<S>,
     is_symmetric: bool,
     equations: impl Equations<S, N>,
 ) -> ([S; N], u32) {
     let done = convergence.done();
-    let mut paths = S::Mask::by_lane(|lane| Path {
+    let mut paths = S::Mask::by_lane(|lane| LaneSearch {
         convergence: convergence.of_lane(lane, &x),
         is_done: done.lane(lane),
         is_lost: false,

@@ -23,7 +23,7 @@
 //! definite where it is symmetric. For one unknown it must be above one half.
 
 use super::convergence::{Convergence, Verdict, nearly_relative, relative_to};
-use super::damped::{Dense, Room, damped};
+use super::damped::{Dense, NewtonScratch, damped};
 use super::dense::{Factor, SymmetricFactor, is_definite};
 use super::effort::Effort;
 use super::lanes::{self, decides_by_lane};
@@ -102,7 +102,7 @@ pub(crate) fn newton<
     equations: impl Equations<S, N>,
 ) -> Result<Effort, StepFailure> {
     if CAREFUL {
-        let mut room = Room::of(x);
+        let mut room = NewtonScratch::of(x);
         let effort = damped(&mut Dense::<_, S, N, SYMMETRIC>::new(equations), &mut room, x)?;
         *x = *room.solution();
         return Ok(effort);

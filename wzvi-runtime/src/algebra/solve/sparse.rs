@@ -19,9 +19,9 @@ pub struct Sparse<S> {
     /// Where each unknown is.
     position: Vec<usize>,
     /// Below the diagonal, by rows; then `L`.
-    lower: Half<S>,
+    lower: Triangle<S>,
     /// Above the diagonal, by rows; then the part of `U` there.
-    upper: Half<S>,
+    upper: Triangle<S>,
     /// The diagonal; then the reciprocals of the pivots.
     diagonal: Vec<S>,
     is_complete: bool,
@@ -36,13 +36,13 @@ pub struct Sparse<S> {
 
 /// One triangle without the diagonal, by rows with ascending columns.
 #[derive(Clone, Debug)]
-struct Half<S> {
+struct Triangle<S> {
     starts: Vec<usize>,
     columns: Vec<u32>,
     entries: Vec<S>,
 }
 
-impl<S: Scalar> Half<S> {
+impl<S: Scalar> Triangle<S> {
     fn new(starts: Vec<usize>, columns: Vec<u32>) -> Self {
         let entries = vec![S::from_f64(0.0); columns.len()];
         Self { starts, columns, entries }
@@ -100,20 +100,21 @@ impl<S: Scalar> Sparse<S> {
     pub fn incomplete(n: usize, pairs: &[(usize, usize)]) -> Option<Self> {
         u32::try_from(n).ok()?;
         let starts = starts(n, pairs.iter().map(|&(row, _)| row));
-        let upper = Rows { starts, columns: pairs.iter().map(|&(_, column)| column as u32).collect() };
+        let upper = RowPattern { starts, columns: pairs.iter().map(|&(_, column)| column as u32).collect() };
         Some(Self::new((0..n).collect(), upper, false))
     }
 
     /// Room for the diagonal.
     pub fn diagonal(n: usize) -> Self {
-        Self::new((0..n).collect(), Rows { starts: vec![0; n + 1], columns: Vec::new() }, false)
+        Self::new((0..n).collect(), RowPattern { starts: vec![0; n + 1], columns: Vec::new() }, false)
     }
 
-    fn new(position: Vec<usize>, upper: Rows, is_complete: bool) -> Self {
+    fn new(position: Vec<usize>, upper: RowPattern, is_complete: bool) -> Self {
         let n = position.len();
         let lower = upper.transposed();
         let operations = (0..n).map(|k| upper.count(k)).map(|own| own * own + own).sum();
-        let (lower, upper) = (Half::new(lower.starts, lower.columns), Half::new(upper.starts, upper.columns));
+        let (lower, upper) =
+            (Triangle::new(lower.starts, lower.columns), Triangle::new(upper.starts, upper.columns));
         let zeros = || vec![S::from_f64(0.0); n];
         let filled = if is_complete { Vec::new() } else { vec![u32::MAX; n] };
         let (diagonal, work) = (zeros(), zeros());
@@ -232,12 +233,12 @@ impl<S: Scalar> Sparse<S> {
 }
 
 /// The pattern of one triangle, by rows.
-struct Rows {
+struct RowPattern {
     starts: Vec<usize>,
     columns: Vec<u32>,
 }
 
-impl Rows {
+impl RowPattern {
     fn count(&self, row: usize) -> u64 {
         (self.starts[row + 1] - self.starts[row]) as u64
     }
@@ -262,12 +263,12 @@ impl Rows {
 /// more than `most` multiplications.
 ///
 /// A row has the places of its matrix, and those of the rows whose first place is in its column.
-fn filled(n: usize, neighbours: &Neighbours, position: &[usize], most: u64) -> Option<Rows> {
+fn filled(n: usize, neighbours: &Neighbours, position: &[usize], most: u64) -> Option<RowPattern> {
     const NONE: usize = usize::MAX;
     u32::try_from(n).ok()?;
     let mut order = vec![0; n];
     position.iter().enumerate().for_each(|(unknown, &at)| order[at] = unknown);
-    let mut rows = Rows { starts: vec![0], columns: Vec::new() };
+    let mut rows = RowPattern { starts: vec![0], columns: Vec::new() };
     let (mut first_child, mut next_child) = (vec![NONE; n], vec![NONE; n]);
     let (mut met, mut operations) = (vec![NONE; n], 0_u64);
     for row in 0..n {

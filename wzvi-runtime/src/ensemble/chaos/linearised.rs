@@ -14,25 +14,25 @@ use std::array::from_fn;
 
 use nalgebra::DVector;
 
-use crate::algebra::carry::Plain;
 use crate::algebra::memory::{StepMemory, step_memory};
-use crate::algebra::scalar::{Constant, Dual, Mask, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Dual, Mask, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
+use crate::algebra::state_sum::PlainSum;
 use crate::error::{ConfigError, StepFailure};
-use crate::path::chaos::Growth;
 use crate::scheme::plan::{Plan, Solver};
 use crate::scheme::system::{
-    At, Discretized, Hamiltonian, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, anew,
-    as_they_are, fits,
+    Discretized, Hamiltonian, LiftParameter, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf,
+    StepArguments, anew, as_they_are, fits,
 };
+use crate::trajectory::chaos::Growth;
 
 /// Deviations of a path.
 pub(super) const NUMBER: usize = 2;
 /// The sums in the list of the coordinates, and in that of the momenta.
 const SUMS: usize = 2;
 
-type Number<S> = Dual<NUMBER, S>;
+type LinearisedNumber<S> = Dual<NUMBER, S>;
 
 /// A system with deviations.
 #[derive(Debug)]
@@ -144,30 +144,30 @@ impl<H: Hamiltonian> Hamiltonian for Linearised<'_, H> {
 
 /// What is prepared of the system, whatever the constants of a step: all paths have one system.
 #[derive(Clone, Debug)]
-pub(crate) struct Prepared<P>(P);
+pub(crate) struct LinearisedConstants<P>(P);
 
 /// The memory of steps of the system, and room for its numbers.
 #[derive(Debug)]
-pub(crate) struct Memory<M, S: Scalar> {
+pub(crate) struct LinearisedMemory<M, S: Scalar> {
     inner: M,
-    q: Vec<Number<S>>,
-    p: Vec<Number<S>>,
-    dw: Vec<Number<S>>,
+    q: Vec<LinearisedNumber<S>>,
+    p: Vec<LinearisedNumber<S>>,
+    dw: Vec<LinearisedNumber<S>>,
 }
 
-impl<M: Default, S: Scalar> Default for Memory<M, S> {
+impl<M: Default, S: Scalar> Default for LinearisedMemory<M, S> {
     fn default() -> Self {
         Self { inner: M::default(), q: Vec::new(), p: Vec::new(), dw: Vec::new() }
     }
 }
 
 step_memory! {
-    impl[M: StepMemory, S: Scalar] StepMemory for Memory<M, S> { kept: inner; scratch: q, p, dw }
+    impl[M: StepMemory, S: Scalar] StepMemory for LinearisedMemory<M, S> { kept: inner; scratch: q, p, dw }
 }
 
 impl<H: Discretized<E>, E> Discretized<WithDeviations<E>> for Linearised<'_, H> {
     type Scheme = WithDeviations<E>;
-    type Prepared = Prepared<PreparedOf<H, E>>;
+    type Prepared = LinearisedConstants<PreparedOf<H, E>>;
     const EQUATIONS: &'static str = H::EQUATIONS;
 }
 
@@ -181,10 +181,10 @@ impl<H: Discretized<E>, E> Scheme<Linearised<'_, H>> for WithDeviations<E> {
         is_variational: false,
         ..Properties::of(&<Self as Scheme<Linearised<'_, H>>>::PLAN, 0)
     };
-    type Prepared<K: Constant> = Prepared<PreparedOf<H, E>>;
-    type Memory<S: Scalar> = Memory<MemoryOf<H, E, Number<S>>, S>;
-    type Compensated<S: Scalar> = Plain;
-    type Carry<S: Scalar> = Plain;
+    type Prepared<K: Constant> = LinearisedConstants<PreparedOf<H, E>>;
+    type Memory<S: Scalar> = LinearisedMemory<MemoryOf<H, E, LinearisedNumber<S>>, S>;
+    type CompensatedSum<S: Scalar> = PlainSum;
+    type Sum<S: Scalar> = PlainSum;
 
     fn increments(system: &Linearised<'_, H>, length: usize) -> usize {
         system.system.increments(degrees(length))
@@ -192,24 +192,24 @@ impl<H: Discretized<E>, E> Scheme<Linearised<'_, H>> for WithDeviations<E> {
 
     fn prepare<K: Constant>(
         system: &Linearised<'_, H>,
-        _: Lift<'_, K>,
+        _: LiftParameter<'_, K>,
         h: K,
-    ) -> Result<Prepared<PreparedOf<H, E>>, ConfigError> {
-        SchemeOf::<H, E>::prepare(system.system, &as_they_are, h.lane(0)).map(Prepared)
+    ) -> Result<LinearisedConstants<PreparedOf<H, E>>, ConfigError> {
+        SchemeOf::<H, E>::prepare(system.system, &as_they_are, h.lane(0)).map(LinearisedConstants)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Over<K>, C, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C, const CAREFUL: bool>(
         system: &Linearised<'_, H>,
-        Prepared(prepared): &Prepared<PreparedOf<H, E>>,
-        at: At<'_, S, K, impl Movable<S> + ?Sized>,
+        LinearisedConstants(prepared): &LinearisedConstants<PreparedOf<H, E>>,
+        at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
         // Plain loops: closures in adapters of `std` would be compiled without the instructions of the lanes.
-        let At { t, h, q, p, dw } = at.lists();
+        let StepArguments { t, h, q, p, dw } = at.lists();
         let (t, h, degrees) = (t.lane(0), h.lane(0), degrees(q.len()));
-        let Memory { inner, q: dual_q, p: dual_p, dw: dual_dw } = memory;
+        let LinearisedMemory { inner, q: dual_q, p: dual_p, dw: dual_dw } = memory;
         dual_q.resize(degrees, Dual::default());
         dual_p.resize(degrees, Dual::default());
         dual_dw.resize(dw.len(), Dual::default());
@@ -224,18 +224,23 @@ impl<H: Discretized<E>, E> Scheme<Linearised<'_, H>> for WithDeviations<E> {
         for k in 0..dw.len() {
             dual_dw[k].value = dw[k];
         }
-        let step = At { t, h, q: &mut dual_q[..], p: &mut dual_p[..], dw: dual_dw };
+        let step = StepArguments { t, h, q: &mut dual_q[..], p: &mut dual_p[..], dw: dual_dw };
         // No path is solved with care on account of another in its lanes: paths then go one by one.
         let effort = if S::LANES > 1 {
-            SchemeOf::<H, E>::advance::<f64, Number<S>, Plain, false>(
+            SchemeOf::<H, E>::advance::<f64, LinearisedNumber<S>, PlainSum, false>(
                 system.system,
                 prepared,
                 step,
                 inner,
-                &mut Plain,
+                &mut PlainSum,
             )?
         } else {
-            anew::advance::<H, SchemeOf<H, E>, f64, Number<S>>(system.system, prepared, step, inner)?
+            anew::advance::<H, SchemeOf<H, E>, f64, LinearisedNumber<S>>(
+                system.system,
+                prepared,
+                step,
+                inner,
+            )?
         };
 
         let zero = S::from_f64(0.0);

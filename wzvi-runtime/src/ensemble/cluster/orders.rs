@@ -9,7 +9,7 @@ use mpi::point_to_point::{Message, Status};
 use mpi::request::StaticScope;
 use mpi::traits::{Communicator, Destination, MatchedReceiveVec, Source};
 
-use crate::path::error::ClusterError;
+use crate::trajectory::error::ClusterError;
 
 /// To a rank: the first and the last number of a batch.
 const BATCH: i32 = 1;

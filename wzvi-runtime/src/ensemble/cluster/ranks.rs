@@ -2,8 +2,8 @@
 
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 
-use crate::path::Error;
-use crate::path::error::ClusterError;
+use crate::trajectory::Error;
+use crate::trajectory::error::ClusterError;
 
 /// What a process that panics ends with.
 const PANICKED: i32 = 101;

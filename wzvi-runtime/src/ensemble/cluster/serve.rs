@@ -9,11 +9,11 @@ use mpi::traits::Communicator;
 
 use super::orders::{Answer, Answers, Order, Orders};
 use super::ranks::end_all;
-use crate::ensemble::schedule::{PATIENCE, Pace, Queue, Shared, StopOnPanic, in_order};
+use crate::ensemble::schedule::{PATIENCE, Queue, SharedQueue, StopOnPanic, WorkerSpeed, in_order};
 use crate::ground::numbers::{Numbers as _, Tape};
-use crate::path::Error;
-use crate::path::error::ClusterError;
 use crate::statistics::Statistics;
+use crate::trajectory::Error;
+use crate::trajectory::error::ClusterError;
 
 /// Batches that a rank has: one to work on, one to go on with.
 const HELD: usize = 2;
@@ -21,7 +21,7 @@ const HELD: usize = 2;
 const NAP: Duration = Duration::from_micros(200);
 
 /// How rank 0 does its part.
-pub(super) struct Hands<'h, Work> {
+pub(super) struct RankWork<'h, Work> {
     /// Number of threads of this rank.
     pub(super) threads: usize,
     /// Does a block.
@@ -31,7 +31,7 @@ pub(super) struct Hands<'h, Work> {
 }
 
 /// What became of a run.
-pub(super) struct Served {
+pub(super) struct ServerOutcome {
     pub(super) outcome: Result<(), Error>,
     /// Whether there are ranks that did not answer: they may send yet.
     pub(super) has_stragglers: bool,
@@ -43,12 +43,12 @@ pub(super) struct Served {
 pub(super) fn serve<C: Communicator>(
     world: &C,
     queue: Queue<Option<Statistics>>,
-    hands: Hands<'_, impl Fn(u64) -> Option<Statistics> + Sync>,
+    hands: RankWork<'_, impl Fn(u64) -> Option<Statistics> + Sync>,
     empty: impl Fn() -> Statistics,
     take: impl FnMut(Option<Statistics>) -> ControlFlow<()>,
-) -> Served {
-    let Hands { threads, work, stop } = hands;
-    let shared = Shared::new(queue);
+) -> ServerOutcome {
+    let RankWork { threads, work, stop } = hands;
+    let shared = SharedQueue::new(queue);
     thread::scope(|scope| {
         let _stop = StopOnPanic(&shared);
         let started = (0..threads).take_while(|_| shared.start(scope, &work)).count();
@@ -58,7 +58,7 @@ pub(super) fn serve<C: Communicator>(
     })
 }
 
-impl Shared<Option<Statistics>> {
+impl SharedQueue<Option<Statistics>> {
     /// A thread that works until all is done; false if the system has none.
     fn start<'s, 'e>(
         &'s self,
@@ -67,7 +67,7 @@ impl Shared<Option<Statistics>> {
     ) -> bool {
         let run = || {
             let _stop = StopOnPanic(self);
-            let mut pace = Pace::new(1);
+            let mut pace = WorkerSpeed::new(1);
             while !self.queue().is_done() {
                 if !self.work_once(&mut pace, work) {
                     self.nap(NAP);
@@ -78,7 +78,7 @@ impl Shared<Option<Statistics>> {
     }
 
     /// Does one batch; false if there is none.
-    fn work_once(&self, pace: &mut Pace, work: &impl Fn(u64) -> Option<Statistics>) -> bool {
+    fn work_once(&self, pace: &mut WorkerSpeed, work: &impl Fn(u64) -> Option<Statistics>) -> bool {
         let Some(batch) = self.queue().assign(pace) else { return false };
         let (first, began) = (batch.start, Instant::now());
         let results: Vec<Option<Statistics>> = batch.map(work).collect();
@@ -92,7 +92,7 @@ impl Shared<Option<Statistics>> {
 
 /// Another rank.
 struct Rank {
-    pace: Pace,
+    pace: WorkerSpeed,
     /// The batches that it has, the oldest first.
     held: VecDeque<Range<u64>>,
     /// When it began the oldest one, as far as rank 0 knows.
@@ -106,14 +106,20 @@ struct Rank {
 impl Rank {
     fn new(threads: usize) -> Self {
         let held = VecDeque::with_capacity(HELD);
-        Self { pace: Pace::new(threads), held, since: Instant::now(), promised: None, is_stalled: false }
+        Self {
+            pace: WorkerSpeed::new(threads),
+            held,
+            since: Instant::now(),
+            promised: None,
+            is_stalled: false,
+        }
     }
 }
 
 /// The main thread of rank 0, which alone talks to others.
 struct Server<'s, C, Empty, Take> {
     orders: Orders<'s, C>,
-    shared: &'s Shared<Option<Statistics>>,
+    shared: &'s SharedQueue<Option<Statistics>>,
     /// From rank 1 on.
     ranks: Vec<Rank>,
     empty: Empty,
@@ -129,8 +135,8 @@ where
     Empty: Fn() -> Statistics,
     Take: FnMut(Option<Statistics>) -> ControlFlow<()>,
 {
-    fn run(mut self, work: &impl Fn(u64) -> Option<Statistics>) -> Served {
-        let mut pace = Pace::new(1);
+    fn run(mut self, work: &impl Fn(u64) -> Option<Statistics>) -> ServerOutcome {
+        let mut pace = WorkerSpeed::new(1);
         let mut outcome = Ok(());
         let mut done_since = None;
         loop {
@@ -160,7 +166,7 @@ where
                 self.shared.nap(NAP);
             }
         }
-        Served { outcome, has_stragglers: self.leave_stragglers() }
+        ServerOutcome { outcome, has_stragglers: self.leave_stragglers() }
     }
 
     /// Gives batches to those that have too few; whether there was any.
@@ -224,7 +230,7 @@ where
         let mut is_any = false;
         loop {
             // The lock is held by neither the merge nor a checkpoint.
-            let Some((_, results)) = self.shared.queue().take() else { break };
+            let Some((_, results)) = self.shared.queue().pop_batch() else { break };
             is_any = true;
             for block in results {
                 if (self.take)(block).is_break() {

@@ -6,21 +6,21 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use super::Group;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
-use crate::ensemble::job::Job;
+use crate::ensemble::job::EnsembleJob;
 use crate::ensemble::starts::Systems;
-use crate::path::Error;
-use crate::path::error::{LevelError, LevelFailure};
 use crate::scheme::system::Discretized;
+use crate::trajectory::Error;
+use crate::trajectory::error::{LevelError, LevelFailure};
 
 /// The coarser paths beside a group.
-pub(super) struct Coarse<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
+pub(super) struct CoarsePaths<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     pub(super) group: Group<'j, 'a, H, E, P, L>,
     /// The normals of the first of two steps of the finer paths, by process.
     first: Vec<Lanes<L>>,
 }
 
-impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Coarse<'j, 'a, H, E, P, L> {
-    pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
+impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> CoarsePaths<'j, 'a, H, E, P, L> {
+    pub(super) fn new(job: &'j EnsembleJob<'a, H, E>) -> Self {
         Self { group: Group::new(job, None), first: vec![Lanes::from_f64(0.0); job.processes()] }
     }
 }
@@ -33,7 +33,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn advance_coarse(&mut self, step: u64) -> Result<(), Error> {
         let Some(coarse) = &mut self.coarse else { return Ok(()) };
-        let Coarse { group, first } = &mut **coarse;
+        let CoarsePaths { group, first } = &mut **coarse;
         for (process, first) in first.iter_mut().enumerate() {
             let drawn = self.increments.normals(process, step)?;
             if step % 2 == 1 {

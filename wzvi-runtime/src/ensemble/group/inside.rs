@@ -1,12 +1,12 @@
 //! Between the nodes of a group: its dense output.
 
-use super::alone::subdivision_of;
+use super::scalar_path::subdivision_of;
 use super::{Group, Systems};
 use crate::algebra::state::State;
 use crate::increments::Interval;
-use crate::path::Error;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
+use crate::trajectory::Error;
 
 /// Sees the dense output of a part of a step, its increments, and whether it is the last part.
 type SeeInside<'s, V> = &'s mut dyn FnMut(&DenseOutput<V>, &[f64], bool);
@@ -31,7 +31,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         let halvings = self.halvings_of(lane, step);
         if halvings > 0 {
             let subdivision = subdivision_of(&mut self.subdivision, job, path, self.size)?;
-            let mut noise = (!self.alone.is_empty()).then(|| job.source.path(path));
+            let mut noise = (!self.scalar_increments.is_empty()).then(|| job.source.path(path));
             let interval = Interval { step, ..job.grid.first() };
             let mut parts = 1_u64 << halvings;
             let noise = &mut noise.as_deref_mut();
@@ -42,13 +42,13 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
             });
         }
         match self.steppers.get(lane) {
-            Some(stepper) if self.is_stepped() => stepper.fill(nodes, &self.alone, dense),
+            Some(stepper) if self.is_stepped() => stepper.fill(nodes, &self.scalar_increments, dense),
             _ => {
                 debug_assert!(!H::PROPERTIES.has_polynomial, "a stepper keeps it");
-                dense.fill_by_rates::<H, E>(job.system_of(path), nodes, self.size, &self.alone);
+                dense.fill_by_rates::<H, E>(job.system_of(path), nodes, self.size, &self.scalar_increments);
             }
         }
-        see(dense, &self.alone, true);
+        see(dense, &self.scalar_increments, true);
         Ok(())
     }
 }

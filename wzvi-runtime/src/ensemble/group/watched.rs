@@ -3,8 +3,8 @@
 use super::{Group, Systems};
 use crate::algebra::state::{State, copy_state};
 use crate::error::StepError;
-use crate::path::watch::{Motion, Watch, keeps_energy, next_look};
 use crate::scheme::system::Discretized;
+use crate::trajectory::watch::{EnergyMonitor, MotionSize, keeps_energy, next_look};
 
 /// The size of the motion of each path, from the steps that a single path looks at: so both divide a step
 /// alike.
@@ -13,7 +13,7 @@ pub(super) struct Motions<V> {
     pub(super) next: u64,
     /// By lane, where that step began.
     before: Vec<State<V>>,
-    so_far: Vec<Motion>,
+    so_far: Vec<MotionSize>,
 }
 
 impl<V> Motions<V> {
@@ -38,12 +38,12 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         if self.job.retry.most() > 0 {
             self.motions.next = 0;
             self.motions.so_far.clear();
-            self.motions.so_far.resize(L, Motion::default());
+            self.motions.so_far.resize(L, MotionSize::default());
         }
         if !self.job.is_watched {
             return;
         }
-        self.watches.resize_with(L, Watch::default);
+        self.watches.resize_with(L, EnergyMonitor::default);
         let steps = self.job.grid.whole();
         self.watches.iter_mut().for_each(|watch| watch.restart::<H, E>(steps));
         self.find_next_look();
@@ -58,7 +58,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
             before.resize(L, self.job.start.clone());
         }
         for (lane, before) in before.iter_mut().enumerate() {
-            copy_state(before, self.look(lane));
+            copy_state(before, self.observed_state(lane));
         }
         self.motions.before = before;
     }
@@ -69,7 +69,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
     pub(super) fn end_motion(&mut self, step: u64) {
         let (h, mut motions) = (self.job.h, std::mem::take(&mut self.motions));
         for (lane, (motion, before)) in motions.so_far.iter_mut().zip(&motions.before).enumerate() {
-            motion.add(h, [before, self.look(lane)]);
+            motion.add(h, [before, self.observed_state(lane)]);
         }
         motions.next = next_look(step);
         self.motions = motions;
@@ -137,6 +137,6 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
 
     fn find_next_look(&mut self) {
         let lanes = self.watches.iter().enumerate().filter(|(lane, _)| !self.is_over(*lane));
-        self.next_look = lanes.map(|(_, watch)| watch.next()).min().unwrap_or(u64::MAX);
+        self.next_look = lanes.map(|(_, watch)| watch.next_tested()).min().unwrap_or(u64::MAX);
     }
 }

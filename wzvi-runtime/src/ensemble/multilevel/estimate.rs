@@ -217,7 +217,7 @@ impl MultilevelEstimate {
         self.is_partial
     }
 
-    /// Why the last checkpoint could not be written, if it could not: see [`crate::path::checkpoint`].
+    /// Why the last checkpoint could not be written, if it could not: see [`crate::trajectory::checkpoint`].
     pub fn unsaved(&self) -> Option<&FileError> {
         self.unsaved.as_ref()
     }

@@ -42,14 +42,14 @@ pub(crate) struct Queue<T> {
 
 /// How fast one of those that work is.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
+pub(crate) struct WorkerSpeed {
     /// Blocks in a batch that takes as long as it should.
     blocks: u64,
     /// Threads that share a batch.
     hands: u64,
 }
 
-impl Pace {
+impl WorkerSpeed {
     /// Blocks come one by one.
     pub(crate) const SINGLE: Self = Self { blocks: 1, hands: 1 };
 
@@ -82,7 +82,7 @@ impl<T> Queue<T> {
     }
 
     /// The next batch; `None` if there is none, or if too many results wait already.
-    pub(crate) fn assign(&mut self, pace: &Pace) -> Option<Range<u64>> {
+    pub(crate) fn assign(&mut self, pace: &WorkerSpeed) -> Option<Range<u64>> {
         if self.is_stopped {
             return None;
         }
@@ -141,7 +141,7 @@ impl<T> Queue<T> {
     }
 
     /// The first block and the results of the next batch in order, if they are there.
-    pub(crate) fn take(&mut self) -> Option<(u64, Vec<T>)> {
+    pub(crate) fn pop_batch(&mut self) -> Option<(u64, Vec<T>)> {
         if self.is_stopped {
             return None;
         }
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn results_are_taken_in_order_and_few_wait() {
         let mut queue = Queue::new(5..20_000, 3);
-        let mut paces = [1, 1, 1].map(Pace::new);
+        let mut paces = [1, 1, 1].map(WorkerSpeed::new);
         let speeds = [20.0, 100.0, 3000.0].map(|micros: f64| micros * 1e-6);
         let mut busy: [Option<(f64, Range<u64>)>; 3] = Default::default();
         let (mut expected, mut time) = (5, 0.0);
@@ -198,7 +198,7 @@ mod tests {
             paces[hand].saw(blocks, Duration::from_secs_f64(speeds[hand] * blocks as f64), 100 * blocks);
             time = end;
             queue.arrive(batch.start, batch.collect(), Duration::ZERO);
-            while let Some((_, results)) = queue.take() {
+            while let Some((_, results)) = queue.pop_batch() {
                 for number in results {
                     assert_eq!(number, expected);
                     expected += 1;
@@ -218,50 +218,50 @@ mod tests {
 
     #[test]
     fn large_results_come_one_by_one() {
-        let mut pace = Pace::new(1);
+        let mut pace = WorkerSpeed::new(1);
         pace.saw(1, Duration::from_micros(10), 1 << 30);
         assert_eq!(pace.blocks, 1);
         pace.saw(8, Duration::from_micros(10), 8 << 18);
         assert_eq!(pace.blocks, 4);
         pace.saw(1, Duration::from_secs(100), 8);
         assert_eq!(pace.blocks, 1);
-        assert_eq!(Pace::new(4).blocks, 4);
+        assert_eq!(WorkerSpeed::new(4).blocks, 4);
     }
 
     #[test]
     fn what_is_stopped_gives_nothing() {
         let mut queue = Queue::new(0..100, 1);
-        let pace = Pace::new(1);
+        let pace = WorkerSpeed::new(1);
         let batch = queue.assign(&pace).unwrap();
         queue.stop();
         queue.arrive(batch.start, batch.collect(), Duration::ZERO);
-        assert!(queue.is_done() && queue.take().is_none() && queue.assign(&pace).is_none());
+        assert!(queue.is_done() && queue.pop_batch().is_none() && queue.assign(&pace).is_none());
     }
 
     /// A worker that does not answer delays nobody: others do its work, and late results are not taken twice.
     #[test]
     fn what_does_not_come_is_done_by_others() {
         let mut queue = Queue::new(0..100, 2);
-        let pace = Pace::new(1);
+        let pace = WorkerSpeed::new(1);
         let stalled = queue.assign(&pace).unwrap();
         assert_eq!(queue.patience(1), None);
         while let Some(batch) = queue.assign(&pace) {
             queue.arrive(batch.start, batch.collect(), Duration::from_millis(30));
         }
-        assert!(queue.take().is_none());
+        assert!(queue.pop_batch().is_none());
         assert_eq!(queue.patience(2), Some(PATIENCE + Duration::from_millis(600)));
         queue.repeat(stalled.clone());
         assert_eq!(queue.assign(&pace), Some(stalled.clone()));
         queue.repeat(stalled.clone());
         queue.arrive(stalled.start, stalled.clone().collect(), Duration::ZERO);
         let mut done: Vec<u64> =
-            std::iter::from_fn(|| queue.take()).flat_map(|(_, results)| results).collect();
+            std::iter::from_fn(|| queue.pop_batch()).flat_map(|(_, results)| results).collect();
         queue.arrive(stalled.start, stalled.clone().collect(), Duration::ZERO);
         assert!(!queue.misses(stalled.start));
         while let Some(batch) = queue.assign(&pace) {
             assert!(batch.start >= done.len() as u64, "{batch:?} is done");
             queue.arrive(batch.start, batch.collect(), Duration::ZERO);
-            done.extend(std::iter::from_fn(|| queue.take()).flat_map(|(_, results)| results));
+            done.extend(std::iter::from_fn(|| queue.pop_batch()).flat_map(|(_, results)| results));
         }
         assert!(queue.is_done());
         assert_eq!(done, (0..100).collect::<Vec<_>>());
@@ -271,18 +271,18 @@ mod tests {
     #[test]
     fn nobody_runs_far_ahead() {
         let mut queue = Queue::new(0..u64::MAX, 2);
-        let pace = Pace::new(1);
+        let pace = WorkerSpeed::new(1);
         let oldest = queue.assign(&pace).unwrap();
         let mut begun = 1;
         while let Some(batch) = queue.assign(&pace) {
             begun += batch.end - batch.start;
             queue.arrive(batch.start, batch.collect(), Duration::ZERO);
-            assert!(queue.take().is_none());
+            assert!(queue.pop_batch().is_none());
         }
         assert_eq!(begun, LEAD * 2);
         queue.arrive(0, oldest.collect(), Duration::ZERO);
         assert_eq!(
-            std::iter::from_fn(|| queue.take()).flat_map(|(_, results)| results).count() as u64,
+            std::iter::from_fn(|| queue.pop_batch()).flat_map(|(_, results)| results).count() as u64,
             begun
         );
     }

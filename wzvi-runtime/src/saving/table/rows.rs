@@ -12,18 +12,18 @@ use super::{Column, Table};
 const PART: usize = 1 << 15;
 
 /// The rows of a table in parts; there is always a first part.
-pub(crate) type Parts<'r> = Box<dyn Iterator<Item = Table> + 'r>;
+pub(crate) type TableChunks<'r> = Box<dyn Iterator<Item = Table> + 'r>;
 
 /// The entries of some rows.
-type Entries<'r, R> = Box<dyn Fn(&[R]) -> Column + 'r>;
+type ToColumn<'r, R> = Box<dyn Fn(&[R]) -> Column + 'r>;
 
 /// The rows `R` of a table, and its columns: the name of each, and its entries.
-pub(crate) struct Rows<'r, R> {
+pub(crate) struct TableRows<'r, R> {
     rows: Peekable<Box<dyn Iterator<Item = R> + 'r>>,
-    columns: Vec<(Cow<'r, str>, Entries<'r, R>)>,
+    columns: Vec<(Cow<'r, str>, ToColumn<'r, R>)>,
 }
 
-impl<'r, R: 'r> Rows<'r, R> {
+impl<'r, R: 'r> TableRows<'r, R> {
     /// Without columns.
     pub(crate) fn of(rows: impl IntoIterator<Item = R, IntoIter: 'r>) -> Self {
         let rows: Box<dyn Iterator<Item = R> + 'r> = Box::new(rows.into_iter());
@@ -57,7 +57,7 @@ impl<'r, R: 'r> Rows<'r, R> {
     }
 
     /// The table of this name, in parts that are made on request.
-    pub(crate) fn parts(mut self, name: &'r str) -> Parts<'r> {
+    pub(crate) fn parts(mut self, name: &'r str) -> TableChunks<'r> {
         let mut is_first = true;
         Box::new(iter::from_fn(move || {
             let is_wanted = take(&mut is_first) || self.rows.peek().is_some();

@@ -7,14 +7,14 @@ use std::array::from_fn;
 use std::ops::{Mul, Range};
 
 use super::relaxation::{Momenta, gain};
-use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
+use crate::algebra::state_sum::{PlainSum, StateSum};
 use crate::error::StepFailure;
 
 /// Lists of one number per degree of freedom.
 #[derive(Clone, Debug)]
-pub(super) struct Diagonal<N = f64> {
+pub(super) struct DiagonalRelaxation<N = f64> {
     /// `E`
     pub(super) decay: Vec<N>,
     /// `R / √h`
@@ -26,10 +26,10 @@ pub(super) struct Diagonal<N = f64> {
     pub(super) ramp: Option<[Vec<N>; 2]>,
 }
 
-impl<const L: usize> Diagonal<Lanes<L>> {
+impl<const L: usize> DiagonalRelaxation<Lanes<L>> {
     /// Gathers the lists of systems in lanes.
-    pub(super) fn gather(laws: [&Diagonal; L]) -> Self {
-        let list = |of: fn(&Diagonal) -> &[f64]| {
+    pub(super) fn gather(laws: [&DiagonalRelaxation; L]) -> Self {
+        let list = |of: fn(&DiagonalRelaxation) -> &[f64]| {
             let lists = laws.map(of);
             let degrees = lists.iter().map(|list| list.len()).min().unwrap_or(0);
             (0..degrees).map(|i| Lanes::new(from_fn(|lane| lists[lane][i]))).collect()
@@ -47,16 +47,16 @@ impl<const L: usize> Diagonal<Lanes<L>> {
 pub(super) const BLOCK: usize = crate::scheme::elements::BLOCK;
 
 /// Number of places computed at once.
-const BESIDE: usize = 8;
+const LANES: usize = 8;
 
-impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
+impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> DiagonalRelaxation<N> {
     /// With `deviation`, moves all momenta, between two drifts over the time `drift` if there is one; returns
     /// the heat.
     ///
     /// # Errors
     /// None of its own: those of [`Momenta::relax`].
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn all_blocks<S, C: Carry<S>, D: Copy>(
+    pub(super) fn all_blocks<S, C: StateSum<S>, D: Copy>(
         &self,
         deviation: &[D],
         mut momenta: Momenta<'_, S>,
@@ -83,7 +83,7 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
                 lost: &mut [],
                 heats: heats.get_mut(places.clone()).unwrap_or_default(),
             };
-            heat = heat + self.block::<S, Plain, D>(places, deviation, momenta, drift);
+            heat = heat + self.block::<S, PlainSum, D>(places, deviation, momenta, drift);
         }
         Ok(heat)
     }
@@ -92,7 +92,7 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
     /// is one; returns the heat. Its lists are those of `places`, but for the normals, which are those of
     /// all. With compensated sums there is no drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn block<S, C: Carry<S>, D: Copy>(
+    pub(super) fn block<S, C: StateSum<S>, D: Copy>(
         &self,
         places: Range<usize>,
         deviation: &[D],
@@ -141,10 +141,10 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
             }
         }
         heats.iter_mut().zip(&*gains).for_each(|(heat, gain)| *heat = *heat + *gain);
-        let mut sums = [zero; BESIDE];
-        let (groups, rest) = gains.as_chunks::<BESIDE>();
+        let mut sums = [zero; LANES];
+        let (groups, rest) = gains.as_chunks::<LANES>();
         for group in groups {
-            for i in 0..BESIDE {
+            for i in 0..LANES {
                 sums[i] = sums[i] + group[i];
             }
         }

@@ -2,7 +2,7 @@
 //! [`relaxation`](super::relaxation).
 
 use super::matrix::{cholesky, diagonalise, inverse_transposed, triangularise};
-use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Mask, Scalar};
 use crate::error::BathError;
 
 /// The decay factor `E` of a mode with the rate `λ` over the time `s`.
@@ -39,7 +39,7 @@ pub(super) struct Bath<K = f64> {
 impl<K: Constant> Bath<K> {
     /// `E` and `R √(M⁻¹) / √h` of a mode with this rate.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn mode<S: Over<K>>(&self, rate: S) -> (S, S) {
+    pub(super) fn mode<S: ComputesWith<K>>(&self, rate: S) -> (S, S) {
         match self.decay {
             Decay::Exponential => {
                 let x = -(rate * self.time);
@@ -63,7 +63,7 @@ impl<K: Constant> Bath<K> {
     /// ```
     ///
     /// Cayley's map takes the temperature in the middle, which is then the one at the start.
-    pub(super) fn ramp<S: Over<K>>(&self, rate: S) -> (S, [S; 2]) {
+    pub(super) fn ramp<S: ComputesWith<K>>(&self, rate: S) -> (S, [S; 2]) {
         let square = self.unit * self.unit;
         match self.decay {
             Decay::Exponential => {
@@ -81,7 +81,7 @@ impl<K: Constant> Bath<K> {
 
     /// `1 - E` of a mode.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lost<S: Over<K>>(&self, rate: S) -> S {
+    fn lost<S: ComputesWith<K>>(&self, rate: S) -> S {
         match self.decay {
             Decay::Exponential => -(-(rate * self.time)).exp_m1(),
             Decay::Cayley => {
@@ -130,7 +130,7 @@ impl<K: Constant> Factors<K> {
 }
 
 /// `Γ` and its modes, in place in three matrices.
-pub(super) struct Modes<'r, K> {
+pub(super) struct FrictionModes<'r, K> {
     /// `Γ`, then `Λ` on the diagonal.
     pub(super) rates: &'r mut [K],
     /// `V`
@@ -139,7 +139,7 @@ pub(super) struct Modes<'r, K> {
     pub(super) modes: &'r mut [K],
 }
 
-impl<K: Constant> Modes<'_, K> {
+impl<K: Constant> FrictionModes<'_, K> {
     /// Solves for the modes of the friction in `rates`.
     ///
     /// # Errors

@@ -4,28 +4,28 @@ use std::any::Any;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::diagonal::{BLOCK, Diagonal};
+use super::diagonal::{BLOCK, DiagonalRelaxation};
 use super::modes::Decay;
-use super::relaxation::{Momenta, Room};
+use super::relaxation::{Momenta, RelaxationScratch};
 use super::{Damped, Relaxation};
-use crate::algebra::carry::{Carry, Compensation, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::step_memory;
-use crate::algebra::scalar::{Constant, Mask as _, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Mask as _, Scalar};
+use crate::algebra::state_sum::{FixedCompensatedSum, PlainSum, StateSum};
 use crate::error::{BathError, ConfigError, StepFailure, StepPromise};
 use crate::scheme::elements::{Elements, PairColumns};
-use crate::scheme::system::{Hamiltonian as _, Lift, varied_without_lists};
+use crate::scheme::system::{Hamiltonian as _, LiftParameter, varied_without_lists};
 
 /// The number of O parts of a step, of equal duration, and their decay.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shares {
+pub(super) struct OPartShares {
     pub(super) parts: usize,
     pub(super) decay: Decay,
     /// Whether kicks and drifts are shortened by a factor that depends on the rate, of which there is one.
     pub(super) is_shortened: bool,
 }
 
-impl Shares {
+impl OPartShares {
     fn of_one(self) -> (f64, Decay) {
         (1.0 / self.parts as f64, self.decay)
     }
@@ -56,14 +56,14 @@ pub(super) fn rate<T: Elements, K: Constant>(
 
 /// The constants of the O parts.
 #[derive(Clone, Debug)]
-pub(super) enum Law<K> {
+pub(super) enum BathLaw<K> {
     /// With all parameters, where these have derivatives.
     Known(Relaxation<K>, Vec<K>),
     /// They follow from the size of the state, and from all parameters, where these have derivatives.
     OfState(Vec<K>),
 }
 
-impl<K> Law<K> {
+impl<K> BathLaw<K> {
     fn known(&self) -> Option<&Relaxation<K>> {
         if let Self::Known(relaxation, _) = self { Some(relaxation) } else { None }
     }
@@ -75,46 +75,46 @@ impl<K> Law<K> {
 /// [`ConfigError::Bath`]
 pub(super) fn prepare<T: Elements, K: Constant>(
     system: &T,
-    (lift, h): (Lift<'_, K>, K),
-    shares: Shares,
-) -> Result<Law<K>, ConfigError> {
+    (lift, h): (LiftParameter<'_, K>, K),
+    shares: OPartShares,
+) -> Result<BathLaw<K>, ConfigError> {
     let (degrees, friction) = (system.degrees(), Damped::<T>::FRICTION);
     let parameters = varied_without_lists(system, lift)?;
     if degrees == 0 {
         if !friction.is_out_of_equilibrium() {
             Relaxation::<f64>::check((system, &[]), friction).map_err(ConfigError::Bath)?;
         }
-        return Ok(Law::OfState(parameters));
+        return Ok(BathLaw::OfState(parameters));
     }
     let relaxation = Relaxation::new((system, &*parameters), friction, degrees, h, shares.of_one());
-    relaxation.map(|relaxation| Law::Known(relaxation, parameters)).map_err(ConfigError::Bath)
+    relaxation.map(|relaxation| BathLaw::Known(relaxation, parameters)).map_err(ConfigError::Bath)
 }
 
 /// The constants of systems in lanes; `None` if there are none, and where each step has its own temperatures.
-pub(super) fn gather<const L: usize>(of_lanes: [&Law<f64>; L]) -> Option<Law<Lanes<L>>> {
+pub(super) fn gather<const L: usize>(of_lanes: [&BathLaw<f64>; L]) -> Option<BathLaw<Lanes<L>>> {
     let mut relaxations = [of_lanes.first()?.known()?; L];
     for (relaxation, of_lane) in relaxations.iter_mut().zip(of_lanes) {
         *relaxation = of_lane.known()?;
     }
-    Relaxation::gather(relaxations).map(|relaxation| Law::Known(relaxation, Vec::new()))
+    Relaxation::gather(relaxations).map(|relaxation| BathLaw::Known(relaxation, Vec::new()))
 }
 
 /// The constants for one step size and number of degrees of freedom.
 #[derive(Debug)]
-struct Own {
+struct CachedRelaxation {
     h: f64,
     degrees: usize,
     /// A [`Relaxation`] in the constants of the steps.
     relaxation: Box<dyn Any + Send + Sync>,
 }
 
-impl Own {
+impl CachedRelaxation {
     #[cold]
     fn new<T: Elements, K: Constant>(
         of: (&T, &[K]),
         degrees: usize,
         h: K,
-        shares: Shares,
+        shares: OPartShares,
     ) -> Result<Self, StepFailure> {
         let (system, _) = of;
         system.check(degrees)?;
@@ -129,11 +129,11 @@ impl Own {
 
 /// The scratch of the O parts, and their heat.
 #[derive(Debug, Default)]
-pub struct Memory<S> {
-    own: Option<Own>,
-    room: Room<S>,
-    driving: Driving<S>,
-    /// The heat of each part, block by block, where a step goes window by window.
+pub struct BathMemory<S> {
+    own: Option<CachedRelaxation>,
+    room: RelaxationScratch<S>,
+    driving: BathTemperatures<S>,
+    /// The heat of each part, block by block, where a step goes tile by tile.
     blocks: Vec<AtomicU64>,
     /// The heat of each degree of freedom there, if they have temperatures of their own.
     by_degree: Vec<AtomicU64>,
@@ -148,12 +148,12 @@ pub struct Memory<S> {
 /// friction that does: for each part the numbers `R / √h` of the degrees of freedom or modes, or the
 /// temperatures at its start and those at its end.
 #[derive(Debug, Default)]
-struct Driving<S> {
+struct BathTemperatures<S> {
     numbers: Vec<S>,
     ends: [Vec<S>; 2],
 }
 
-impl<S: Scalar> Driving<S> {
+impl<S: Scalar> BathTemperatures<S> {
     /// For a step from `t` of size `h`. The O parts share its time, one after the other.
     ///
     /// # Errors
@@ -163,10 +163,10 @@ impl<S: Scalar> Driving<S> {
         (system, parameters): (&T, &[K]),
         relaxation: &Relaxation<K>,
         [t, h]: [K; 2],
-        (shares, degrees): (Shares, usize),
+        (shares, degrees): (OPartShares, usize),
     ) -> Result<(), BathError>
     where
-        S: Over<K>,
+        S: ComputesWith<K>,
     {
         let Self { numbers, ends } = self;
         let (friction, share) = (Damped::<T>::FRICTION, 1.0 / shares.parts as f64);
@@ -198,14 +198,14 @@ impl<S: Scalar> Driving<S> {
 }
 
 step_memory! {
-    impl[S: Scalar] StepMemory for Memory<S> {
+    impl[S: Scalar] StepMemory for BathMemory<S> {
         kept: ;
         result: heat, heats;
         scratch: own, room, driving, blocks, by_degree
     }
 }
 
-impl<S: Scalar> Memory<S> {
+impl<S: Scalar> BathMemory<S> {
     /// With scratch for a system that knows its size.
     pub(super) fn of_system<T: Elements>(system: &T) -> Self {
         let mut memory = Self::default();
@@ -225,7 +225,7 @@ impl<S: Scalar> Memory<S> {
         }
     }
 
-    /// Takes the heats of degrees of freedom from the windows of a step.
+    /// Takes the heats of degrees of freedom from the tiles of a step.
     pub(super) fn collect_heats(&mut self) {
         for (heat, of_windows) in self.heats.iter_mut().zip(&self.by_degree) {
             *heat = S::from_f64(f64::from_bits(of_windows.load(Ordering::Relaxed)));
@@ -243,12 +243,12 @@ impl<S: Scalar> Memory<S> {
     pub(super) fn parts<'m, T: Elements, K: Constant>(
         &'m mut self,
         system: &'m T,
-        prepared: &'m Law<K>,
-        ([t, h], shares, degrees): ([K; 2], Shares, usize),
+        prepared: &'m BathLaw<K>,
+        ([t, h], shares, degrees): ([K; 2], OPartShares, usize),
         (dw, noises): (&'m [S], usize),
-    ) -> Result<Parts<'m, T, K, S>, StepFailure>
+    ) -> Result<OParts<'m, T, K, S>, StepFailure>
     where
-        S: Over<K>,
+        S: ComputesWith<K>,
     {
         let expected = noises + normals::<T>(degrees, shares.parts);
         if dw.len() != expected {
@@ -256,12 +256,12 @@ impl<S: Scalar> Memory<S> {
         }
         self.fit::<T>(degrees);
         let (relaxation, parameters) = match prepared {
-            Law::Known(relaxation, parameters) => (relaxation, parameters),
-            Law::OfState(parameters) => {
-                let is_alike = |own: &Own| own.h == h.lane(0) && own.degrees == degrees;
+            BathLaw::Known(relaxation, parameters) => (relaxation, parameters),
+            BathLaw::OfState(parameters) => {
+                let is_alike = |own: &CachedRelaxation| own.h == h.lane(0) && own.degrees == degrees;
                 let own = match self.own.take().filter(is_alike) {
                     Some(own) => own,
-                    None => Own::new((system, parameters), degrees, h, shares)?,
+                    None => CachedRelaxation::new((system, parameters), degrees, h, shares)?,
                 };
                 // A memory belongs to the steps of one stepper, which have one type of constants.
                 let relaxation = (self.own.insert(own).relaxation.downcast_ref())
@@ -276,7 +276,7 @@ impl<S: Scalar> Memory<S> {
         let per_part = (expected - noises) / shares.parts;
         let Self { room, driving, blocks, by_degree, heats, .. } = self;
         let driving = &driving.numbers[..];
-        Ok(Parts {
+        Ok(OParts {
             system,
             relaxation,
             normals: &dw[noises..],
@@ -316,30 +316,31 @@ pub(super) fn normals<T: Elements>(degrees: usize, parts: usize) -> usize {
 }
 
 /// The O parts of a step.
-pub(super) struct Parts<'m, T, K, S> {
+pub(super) struct OParts<'m, T, K, S> {
     system: &'m T,
     relaxation: &'m Relaxation<K>,
     normals: &'m [S],
     per_part: usize,
-    /// The temperatures of all parts: [`Driving`].
+    /// The temperatures of all parts: [`BathTemperatures`].
     driving: &'m [S],
     parts: usize,
-    room: &'m mut Room<S>,
+    room: &'m mut RelaxationScratch<S>,
     blocks: &'m mut Vec<AtomicU64>,
     by_degree: &'m mut Vec<AtomicU64>,
     heats: &'m mut [S],
 }
 
-impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
+impl<'m, T: Elements, K: Constant, S: ComputesWith<K>> OParts<'m, T, K, S> {
     /// The parts place by place, `parts` in number, where rates and masses are lists and numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
+    pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<OPartsByPlace<'m>> {
         let Self { relaxation, normals, per_part, driving, blocks, by_degree, heats, .. } = self;
-        let (law, normals, driving) = (same(relaxation.diagonal()?)?, S::plain(normals)?, S::plain(driving)?);
+        let (law, normals, driving) =
+            (same(relaxation.diagonal()?)?, S::as_f64s(normals)?, S::as_f64s(driving)?);
         blocks.resize_with(parts * degrees.div_ceil(BLOCK), AtomicU64::default);
         by_degree.resize_with(heats.len(), AtomicU64::default);
         by_degree.iter_mut().for_each(|heat| *heat.get_mut() = 0.0_f64.to_bits());
-        Some(ByPlace { law, normals, per_part, driving, blocks, by_degree, parts })
+        Some(OPartsByPlace { law, normals, per_part, driving, blocks, by_degree, parts })
     }
 
     /// Whether there is no friction.
@@ -361,7 +362,7 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
     /// [`StepFailure::Bath`] where friction is negative; `p` is then unspecified.
     /// [`StepPromise::ListedRates`] for drifts where rates and masses are not lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply<C: Carry<S>>(
+    pub(super) fn apply<C: StateSum<S>>(
         &mut self,
         part: usize,
         drift: Option<K>,
@@ -378,8 +379,8 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
 
 /// The O parts of a step, for places in any order.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ByPlace<'m> {
-    law: &'m Diagonal,
+pub(crate) struct OPartsByPlace<'m> {
+    law: &'m DiagonalRelaxation,
     normals: &'m [f64],
     per_part: usize,
     /// `R / √h` of all parts in this step; empty if it is that of the law.
@@ -392,7 +393,7 @@ pub(crate) struct ByPlace<'m> {
     parts: usize,
 }
 
-impl ByPlace<'_> {
+impl OPartsByPlace<'_> {
     /// Applies a part to `places`, from the first of a block on, between two drifts if coordinates are given.
     /// `lost` is what rounding took from the momenta, if it `CARRIES` that.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -422,8 +423,8 @@ impl ByPlace<'_> {
             let mut own = [0.0; BLOCK];
             let momenta = Momenta { q, normals, p, lost, heats: &mut own[..by_degree.len()] };
             let heat = match CARRIES {
-                true => self.law.block::<_, Compensation<f64, 1>, _>(places, deviation, momenta, time),
-                false => self.law.block::<_, Plain, _>(places, deviation, momenta, time),
+                true => self.law.block::<_, FixedCompensatedSum<f64, 1>, _>(places, deviation, momenta, time),
+                false => self.law.block::<_, PlainSum, _>(places, deviation, momenta, time),
             };
             heats[part].store(heat.to_bits(), Ordering::Relaxed);
             for (sum, gain) in by_degree.iter().zip(own) {

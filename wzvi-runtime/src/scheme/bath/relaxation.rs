@@ -15,12 +15,12 @@
 
 use std::ops::Mul;
 
-use super::diagonal::Diagonal;
-use super::modes::{Bath, Decay, Factors, Modes, refuse_negative};
+use super::diagonal::DiagonalRelaxation;
+use super::modes::{Bath, Decay, Factors, FrictionModes, refuse_negative};
 use super::{Damped, Friction};
-use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::{Constant, Mask as _, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Mask as _, Scalar};
+use crate::algebra::state_sum::StateSum;
 use crate::error::{BathError, StepFailure, StepPromise};
 use crate::scheme::elements::{Elements, PairColumns};
 
@@ -31,7 +31,7 @@ pub(super) enum Relaxation<K = f64> {
     /// No friction.
     Still,
     /// Rates and masses as lists.
-    Diagonal(Diagonal<K>),
+    Diagonal(DiagonalRelaxation<K>),
     /// Rates and masses as matrices, of one system.
     Matrix {
         decay: Vec<K>,
@@ -41,12 +41,12 @@ pub(super) enum Relaxation<K = f64> {
         ramp: Option<[Vec<K>; 2]>,
     },
     /// Rates that depend on the state.
-    Frozen(Frozen<K>),
+    Frozen(StateRelaxation<K>),
 }
 
 /// The constants of an O part with rates that depend on the state.
 #[derive(Clone, Debug)]
-pub(super) struct Frozen<K = f64> {
+pub(super) struct StateRelaxation<K = f64> {
     /// A list if masses are a list, else a matrix.
     inverse_mass: Vec<K>,
     /// The lower triangular `L` with `M = L Lᵀ`; empty if masses are a list.
@@ -58,7 +58,7 @@ pub(super) struct Frozen<K = f64> {
 
 /// The scratch of an O part.
 #[derive(Debug, Default)]
-pub(super) struct Room<S> {
+pub(super) struct RelaxationScratch<S> {
     /// Two per degree of freedom.
     pub(super) numbers: Vec<S>,
     columns: PairColumns,
@@ -124,7 +124,7 @@ impl<K: Constant> Relaxation<K> {
                 return Err(BathError::Mass { degree, inverse: inverse_mass[degree].lane(0) });
             }
             let parameters = parameters.to_vec();
-            return Ok(Self::Frozen(Frozen { mass: mass.mass, inverse_mass, bath, parameters }));
+            return Ok(Self::Frozen(StateRelaxation { mass: mass.mass, inverse_mass, bath, parameters }));
         }
         match (!friction.is_list() && friction.is_matrix, friction.has_diagonal_masses) {
             (false, true) if friction.is_timed => ramped(&gamma, inverse_mass, &bath),
@@ -156,14 +156,14 @@ impl<K: Constant> Relaxation<K> {
     /// The weights of the temperatures at both ends of an O part, where these depend on the time.
     pub(super) fn ramp(&self) -> Option<&[Vec<K>; 2]> {
         match self {
-            Self::Diagonal(Diagonal { ramp, .. }) | Self::Matrix { ramp, .. } => ramp.as_ref(),
+            Self::Diagonal(DiagonalRelaxation { ramp, .. }) | Self::Matrix { ramp, .. } => ramp.as_ref(),
             Self::Still | Self::Frozen(_) => None,
         }
     }
 
     /// Rates and masses, if they are lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn diagonal(&self) -> Option<&Diagonal<K>> {
+    pub(super) fn diagonal(&self) -> Option<&DiagonalRelaxation<K>> {
         if let Self::Diagonal(law) = self { Some(law) } else { None }
     }
 
@@ -175,12 +175,12 @@ impl<K: Constant> Relaxation<K> {
     /// [`BathError::Friction`] where friction is negative; `p` is then unspecified.
     /// [`StepPromise::ListedRates`] for drifts where rates and masses are not lists, or sums are compensated.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply<T: Elements, S: Over<K>, C: Carry<S>>(
+    pub(super) fn apply<T: Elements, S: ComputesWith<K>, C: StateSum<S>>(
         &self,
         system: &T,
         mut momenta: Momenta<'_, S>,
         (drift, driving): (Option<K>, &[S]),
-        room: &mut Room<S>,
+        room: &mut RelaxationScratch<S>,
     ) -> Result<S, StepFailure> {
         if drift.is_some() && (C::CARRIES || self.diagonal().is_none()) {
             return Err(StepFailure::Internal(StepPromise::ListedRates));
@@ -223,7 +223,7 @@ impl Relaxation {
         for (law, of_lane) in laws.iter_mut().zip(of_lanes) {
             *law = of_lane.diagonal().filter(|law| law.ramp.is_none())?;
         }
-        Some(Relaxation::Diagonal(Diagonal::gather(laws)))
+        Some(Relaxation::Diagonal(DiagonalRelaxation::gather(laws)))
     }
 }
 
@@ -249,7 +249,7 @@ impl<S: Scalar> Momenta<'_, S> {
     /// # Errors
     /// The errors of the `constants` `E`, `R / √h` and `M⁻¹`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn relax<C: Carry<S>, D: Copy, V: Copy, K: Copy + Mul<Output = K> + Mul<f64, Output = K>>(
+    pub(super) fn relax<C: StateSum<S>, D: Copy, V: Copy, K: Copy + Mul<Output = K> + Mul<f64, Output = K>>(
         &mut self,
         constants: impl Iterator<Item = Result<(D, V, K), StepFailure>>,
         drift: Option<K>,
@@ -281,9 +281,9 @@ impl<S: Scalar> Momenta<'_, S> {
 
     /// Stores the new momenta and returns the heat: `(p_1 - p_0) · M⁻¹ (p_1 + p_0) / 2`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn replace<C: Carry<S>, K: Constant>(&mut self, new: &[S], inverse_mass: &[K]) -> S
+    fn replace<C: StateSum<S>, K: Constant>(&mut self, new: &[S], inverse_mass: &[K]) -> S
     where
-        S: Over<K>,
+        S: ComputesWith<K>,
     {
         let (zero, d) = (S::from_f64(0.0), self.p.len());
         let mut heat = zero;
@@ -389,7 +389,7 @@ fn ramped<K: Constant>(
         [first[degree], last[degree]] = weights.map(|weight| weight / inverse);
     }
     let (deviation, ramp) = (Vec::new(), Some([first, last]));
-    Ok(Relaxation::Diagonal(Diagonal { decay, deviation, inverse_mass, ramp }))
+    Ok(Relaxation::Diagonal(DiagonalRelaxation { decay, deviation, inverse_mass, ramp }))
 }
 
 /// At the temperature of the bath, or at `temperatures` if there are any.
@@ -409,7 +409,7 @@ fn diagonal<K: Constant>(
         let (kept, noise) = Bath { temperature, ..*bath }.mode(check_rate(rate)?);
         (decay[degree], deviation[degree]) = (kept, noise / inverse.sqrt());
     }
-    Ok(Relaxation::Diagonal(Diagonal { decay, deviation, inverse_mass, ramp: None }))
+    Ok(Relaxation::Diagonal(DiagonalRelaxation { decay, deviation, inverse_mass, ramp: None }))
 }
 
 /// One rate, with a mass matrix.
@@ -448,7 +448,7 @@ fn constant<K: Constant>(
         }
     }
     let (mut vectors, mut modes) = (vec![zero; d * d], vec![zero; d * d]);
-    let mut found = Modes { rates: &mut gamma, vectors: &mut vectors, modes: &mut modes };
+    let mut found = FrictionModes { rates: &mut gamma, vectors: &mut vectors, modes: &mut modes };
     found.solve(mass, d).map_err(|rate| BathError::Friction { rate })?;
     let (smallest, slowest) = found.slowest(bath, d);
     let mut decay = vec![zero; d * d];
@@ -476,11 +476,11 @@ fn negative(rate: f64) -> StepFailure {
     StepFailure::Bath(BathError::Friction { rate })
 }
 
-impl<K: Constant> Frozen<K> {
+impl<K: Constant> StateRelaxation<K> {
     /// Decay and noise of a mode with this rate, as [`Bath::mode`]; at the temperatures of both ends of the
     /// part, if there are any.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn mode<S: Over<K>>(&self, rate: S, ends: Option<[S; 2]>) -> Result<(S, S), StepFailure> {
+    fn mode<S: ComputesWith<K>>(&self, rate: S, ends: Option<[S; 2]>) -> Result<(S, S), StepFailure> {
         refuse_negative(rate).map_err(negative)?;
         Ok(match ends {
             None => self.bath.mode(rate),
@@ -493,12 +493,12 @@ impl<K: Constant> Frozen<K> {
 
     /// Rates by degree of freedom, or one rate with a mass matrix.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn apply<T: Elements, S: Over<K>, C: Carry<S>>(
+    fn apply<T: Elements, S: ComputesWith<K>, C: StateSum<S>>(
         &self,
         system: (&T, &[S::Constant]),
         mut momenta: Momenta<'_, S>,
         driving: &[S],
-        Room { numbers, columns }: &mut Room<S>,
+        RelaxationScratch { numbers, columns }: &mut RelaxationScratch<S>,
     ) -> Result<S, StepFailure> {
         let (first, last) = driving.split_at(driving.len() / 2);
         let ends = |degree: usize| {

@@ -8,23 +8,24 @@
 use std::marker::PhantomData;
 
 use super::modes::Decay;
-use super::part::{self, Law, Parts, Shares};
+use super::part::{self, BathLaw, OPartShares, OParts};
 use super::word::{A, B, O, Part, Spelling, joined};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, with_bath};
-use crate::algebra::carry::{self, Carry, Plain};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::{Constant, Of, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, ConstantsIn, Scalar};
 use crate::algebra::solve::Effort;
+use crate::algebra::state_sum::{self, PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure, wrong};
-use crate::scheme::compose::flows::FlowsOf;
-use crate::scheme::compose::stages::{self, Act, Rooms, Stage, Stages};
+use crate::scheme::compose::flows::KickDriftFlows;
+use crate::scheme::compose::stages::{self, Act, SplittingLists, Stage, StageList};
 use crate::scheme::compose::substeps::Substep;
-use crate::scheme::compose::windowed::{Givens, Memory as Windows, least_alone, takes_windows};
-use crate::scheme::elements::{Elements, Taken, check_new};
+use crate::scheme::compose::tiled::{TiledInput, TiledMemory, least_scalar, takes_tiles};
+use crate::scheme::elements::{Elements, NewState, check_new};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
 use crate::scheme::system::{
-    At, Exchange, Hamiltonian as _, Lift, Movable, Properties, Scheme, fits, varied_without_lists,
+    Exchange, Hamiltonian as _, LiftParameter, Movable, Properties, Scheme, StepArguments, fits,
+    varied_without_lists,
 };
 
 /// A word of kicks, drifts and O parts, and how they are applied: a letter, a tuple of letters, or a scheme
@@ -59,8 +60,8 @@ impl Letters for GjI {
 }
 
 /// The O parts of a word.
-const fn shares<W: Letters>() -> Shares {
-    Shares { parts: W::SPELLING.parts, decay: W::DECAY, is_shortened: W::IS_SHORTENED }
+const fn shares<W: Letters>() -> OPartShares {
+    OPartShares { parts: W::SPELLING.parts, decay: W::DECAY, is_shortened: W::IS_SHORTENED }
 }
 
 /// The steps of a word.
@@ -69,15 +70,15 @@ pub struct Splitting<W>(PhantomData<W>);
 
 /// The constants of steps.
 #[derive(Clone, Debug)]
-pub struct Prepared<P, K> {
+pub struct SplittingConstants<P, K> {
     parameters: P,
     /// All parts of a step.
-    apart: Stages<Act>,
+    apart: StageList<Act>,
     /// All parts, with O parts between drifts [joined]: for lists of masses, unless a noise drifts too.
-    joined: Stages<Act>,
+    joined: StageList<Act>,
     /// Kicks and drifts alone, neighbours of one kind merged: for systems without friction.
-    still: Stages<Act>,
-    relaxation: Law<K>,
+    still: StageList<Act>,
+    relaxation: BathLaw<K>,
     /// The ratio of the time of kicks and drifts to that of their stages.
     stretch: K,
 }
@@ -94,9 +95,9 @@ where
         with_bath(F::FACTS.plan(Solver::Explicit, 0, order, consistent))
     };
     const PROPERTIES: Properties = Properties {
-        // Windows are for lists of rates and masses.
-        fills_registers_from: match Damped::<F>::FRICTION.is_list() && !Damped::<F>::FRICTION.is_per_state {
-            true => least_alone::<F>(),
+        // Tiles are for lists of rates and masses.
+        scalar_paths_from: match Damped::<F>::FRICTION.is_list() && !Damped::<F>::FRICTION.is_per_state {
+            true => least_scalar::<F>(),
             false => usize::MAX,
         },
         exchanges: true,
@@ -104,12 +105,12 @@ where
         is_variational: false,
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
-    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, K>;
+    type Prepared<K: Constant> = SplittingConstants<ConstantsIn<F::Parameters, K>, K>;
     /// The memory of the O parts, then the memory of the flows: the other way round a step of three degrees
     /// of freedom takes 4 % longer.
-    type Memory<S: Scalar> = (part::Memory<S>, stages::Memory<S, F::Shape>);
-    type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
-    type Carry<S: Scalar> = Plain;
+    type Memory<S: Scalar> = (part::BathMemory<S>, stages::SplittingMemory<S, F::Shape>);
+    type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
+    type Sum<S: Scalar> = PlainSum;
 
     fn increments(system: &F, degrees: usize) -> usize {
         system.noises() + part::normals::<F>(degrees, W::SPELLING.parts)
@@ -128,20 +129,31 @@ where
     }
 
     fn memory(system: &F) -> Self::Memory<f64> {
-        (part::Memory::of_system(system), stages::Memory::of_system(system))
+        (part::BathMemory::of_system(system), stages::SplittingMemory::of_system(system))
     }
 
-    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
+    fn prepare<K: Constant>(
+        system: &F,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<Self::Prepared<K>, ConfigError> {
         check_new(system)?;
         let relaxation = part::prepare(system, (lift, h), shares::<W>())?;
         let letters = W::SPELLING.stages();
         let substeps: Vec<Substep> =
             letters.iter().filter_map(|stage| Some((stage.act.half()?, stage.weight))).collect();
-        let still = Stages::of(&substeps).flows(&[]);
+        let still = StageList::of(&substeps).flows(&[]);
         let stretch = if W::IS_SHORTENED { shortened(system, lift, h)? } else { K::from_f64(1.0) };
-        let apart = Stages(letters.to_vec()).with_ends();
-        let joined = Stages(joined(&apart.0));
-        Ok(Prepared { parameters: system.parameters(lift), apart, joined, still, relaxation, stretch })
+        let apart = StageList(letters.to_vec()).with_ends();
+        let joined = StageList(joined(&apart.0));
+        Ok(SplittingConstants {
+            parameters: system.parameters(lift),
+            apart,
+            joined,
+            still,
+            relaxation,
+            stretch,
+        })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -151,16 +163,16 @@ where
         }
         let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
         let relaxation = part::gather(prepared.map(|prepared| &prepared.relaxation))?;
-        let Prepared { apart, joined, still, .. } = (*prepared.first()?).clone();
+        let SplittingConstants { apart, joined, still, .. } = (*prepared.first()?).clone();
         let stretch = Lanes::from_f64(1.0);
-        Some(Prepared { parameters, apart, joined, still, relaxation, stretch })
+        Some(SplittingConstants { parameters, apart, joined, still, relaxation, stretch })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Self::Prepared<K>,
-        At { t, h, q, p, dw }: At<'_, S, K, impl Movable<S> + ?Sized>,
+        StepArguments { t, h, q, p, dw }: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         (bath, memory): &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -168,17 +180,17 @@ where
         if !fits(system, degrees) {
             system.check(degrees)?;
         }
-        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN }
-            && takes_windows::<F>(degrees)
+        if const { F::FACTS.has_tiles && S::MAY_BE_F64 }
+            && takes_tiles::<F>(degrees)
             && let (Some(own_q), Some(own_p), Some(own)) =
-                (S::plain_mut(q.list()), S::plain_mut(p.list()), S::plain(dw))
+                (S::as_f64s_mut(q.list()), S::as_f64s_mut(p.list()), S::as_f64s(dw))
         {
             let (t, h) = (t.lane(0), h.lane(0));
             let (stretch, of_noises) = (prepared.stretch.lane(0), &own[..noises.min(own.len())]);
-            let lost = carry.lists(degrees).map(|lost| S::plain(lost).unwrap_or_default());
-            let givens = Givens { t, h, stretch, q: own_q, p: own_p, lost, dw: of_noises };
+            let lost = carry.lists(degrees).map(|lost| S::as_f64s(lost).unwrap_or_default());
+            let givens = TiledInput { t, h, stretch, q: own_q, p: own_p, lost, dw: of_noises };
             if let Some(taken) =
-                in_windows::<F, K, S, C, W>(system, prepared, givens, dw, &mut memory.windows, bath)
+                in_tiles::<F, K, S, C, W>(system, prepared, givens, dw, &mut memory.tiles, bath)
             {
                 let (taken, heat) = taken?;
                 taken.store(q, p, carry);
@@ -189,16 +201,17 @@ where
         }
         let parts =
             bath.parts(system, &prepared.relaxation, ([t, h], shares::<W>(), degrees), (dw, noises))?;
-        let Stages(list) = match parts.are_lists() && !C::CARRIES && noises == 0 {
+        let StageList(list) = match parts.are_lists() && !C::CARRIES && noises == 0 {
             _ if parts.are_still() => &prepared.still,
             true => &prepared.joined,
             false => &prepared.apart,
         };
-        let Prepared { parameters, stretch, .. } = prepared;
-        let flows = FlowsOf { system, parameters, along: &None, t, h, stretch: *stretch };
+        let SplittingConstants { parameters, stretch, .. } = prepared;
+        let flows = KickDriftFlows { system, parameters, along: &None, t, h, stretch: *stretch };
         let mut word = WithParts { flows, parts, heat: S::from_f64(0.0) };
-        let take = |stage: &_, rooms: &mut _, memory: &mut _| word.take::<C>(stage, rooms, memory);
-        let effort = stages::advance(system, take, list, [q.list(), p.list()], &dw[..noises], memory, carry)?;
+        let take = |stage: &_, rooms: &mut _, memory: &mut _| word.take_part::<C>(stage, rooms, memory);
+        let effort =
+            stages::take_parts(system, take, list, [q.list(), p.list()], &dw[..noises], memory, carry)?;
         bath.heat = word.heat;
         Ok(effort)
     }
@@ -210,7 +223,11 @@ where
 /// # Errors
 /// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] with noises,
 /// whose increments would be shortened, too.
-fn shortened<T: Elements, K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> Result<K, ConfigError> {
+fn shortened<T: Elements, K: Constant>(
+    system: &T,
+    lift: LiftParameter<'_, K>,
+    h: K,
+) -> Result<K, ConfigError> {
     if system.noises() > 0 {
         return wrong("`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`");
     }
@@ -222,16 +239,16 @@ fn shortened<T: Elements, K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> R
     Ok(if x.lane(0) == 0.0 { K::from_f64(1.0) } else { (x.tanh() / x).sqrt() })
 }
 
-/// A step window by window; returns its heat, or `None` if friction and masses are not lists.
+/// A step tile by tile; returns its heat, or `None` if friction and masses are not lists.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn in_windows<'m, F: Field, K: Constant, S: Over<K>, C: Carry<S>, W: Letters>(
+fn in_tiles<'m, F: Field, K: Constant, S: ComputesWith<K>, C: StateSum<S>, W: Letters>(
     system: &F,
-    prepared: &'m Prepared<Of<F::Parameters, K>, K>,
-    givens: Givens<'_>,
+    prepared: &'m SplittingConstants<ConstantsIn<F::Parameters, K>, K>,
+    givens: TiledInput<'_>,
     dw: &[S],
-    windows: &'m mut Windows,
-    bath: &mut part::Memory<S>,
-) -> Option<Result<(Taken<'m>, f64), StepFailure>> {
+    tiles: &'m mut TiledMemory,
+    bath: &mut part::BathMemory<S>,
+) -> Option<Result<(NewState<'m>, f64), StepFailure>> {
     let degrees = givens.q.len();
     let size = ([givens.t, givens.h].map(K::from_f64), shares::<W>(), degrees);
     let driven = match bath.parts(system, &prepared.relaxation, size, (dw, system.noises())) {
@@ -239,36 +256,37 @@ fn in_windows<'m, F: Field, K: Constant, S: Over<K>, C: Carry<S>, W: Letters>(
         Err(failure) => return Some(Err(failure)),
     };
     let relaxing = driven.by_place(W::SPELLING.parts, degrees)?;
-    let Stages(list) = if givens.dw.is_empty() && !C::CARRIES { &prepared.joined } else { &prepared.apart };
+    let StageList(list) =
+        if givens.dw.is_empty() && !C::CARRIES { &prepared.joined } else { &prepared.apart };
     let taken = match C::CARRIES {
-        true => windows.advance::<F, true, true>(system, list, givens, Some(relaxing)),
-        false => windows.advance::<F, true, false>(system, list, givens, Some(relaxing)),
+        true => tiles.take_parts_in_tiles::<F, true, true>(system, list, givens, Some(relaxing)),
+        false => tiles.take_parts_in_tiles::<F, true, false>(system, list, givens, Some(relaxing)),
     };
     Some(taken.map(|taken| (taken, relaxing.heat())))
 }
 
 /// The parts of a step.
 struct WithParts<'m, F: Field, K: Constant, S> {
-    flows: FlowsOf<'m, F, K>,
-    parts: Parts<'m, F, K, S>,
+    flows: KickDriftFlows<'m, F, K>,
+    parts: OParts<'m, F, K, S>,
     heat: S,
 }
 
-impl<F: Field, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
+impl<F: Field, K: Constant, S: ComputesWith<K>> WithParts<'_, F, K, S> {
     /// Moves the state by a part of a step.
     ///
     /// # Errors
     /// [`StepFailure::Bath`] where friction is negative.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<C: Carry<S>>(
+    fn take_part<C: StateSum<S>>(
         &mut self,
         stage: &Stage<Act>,
-        rooms: &mut Rooms<S, F::Shape>,
-        memory: &mut stages::Memory<S, F::Shape>,
+        rooms: &mut SplittingLists<S, F::Shape>,
+        memory: &mut stages::SplittingMemory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
         let [q, p, _, lost_p, ..] = rooms.0.each_mut().map(AsMut::as_mut);
         let (part, drift) = match stage.act {
-            Act::Flow(_) | Act::Square(_) => return self.flows.take::<S, C>(stage, rooms, memory),
+            Act::Flow(_) | Act::Square(_) => return self.flows.take_part::<S, C>(stage, rooms, memory),
             Act::Relax(part) => (part, None),
             Act::RelaxBetween(part) => (part, Some(self.flows.h * (self.flows.stretch * stage.weight))),
         };

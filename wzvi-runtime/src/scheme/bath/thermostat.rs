@@ -5,37 +5,38 @@
 use std::marker::PhantomData;
 
 use super::modes::Decay;
-use super::part::{self, Law, Parts, Shares, normals};
+use super::part::{self, BathLaw, OPartShares, OParts, normals};
 use super::{Damped, with_bath};
-use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
-use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
+use crate::algebra::state_sum::StateSum;
 use crate::error::{ConfigError, FailedLanes, StepFailure};
-use crate::scheme::compose::kept;
+use crate::scheme::compose::memory;
 use crate::scheme::elements::{Elements, are_finite};
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{
-    At, Discretized, Exchange, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, check_state,
+    Discretized, Exchange, LiftParameter, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf,
+    StepArguments, check_state,
 };
 
 /// The O parts before and after a step.
-const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential, is_shortened: false };
+const SHARES: OPartShares = OPartShares { parts: 2, decay: Decay::Exponential, is_shortened: false };
 
 /// Steps of `E`, of the system without its bath, between two O parts.
 #[derive(Clone, Copy, Debug)]
-pub struct Around<E>(PhantomData<E>);
+pub struct ThermostatSteps<E>(PhantomData<E>);
 
 /// The constants of steps.
 #[derive(Clone, Debug)]
-pub struct Prepared<M, K> {
+pub struct ThermostatConstants<M, K> {
     step: M,
-    relaxation: Law<K>,
+    relaxation: BathLaw<K>,
 }
 
 /// As far as the plan of `E` says.
-impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
+impl<T: Elements + Discretized<E>, E> Scheme<T> for ThermostatSteps<E> {
     const PLAN: Plan = with_bath(<SchemeOf<T, E> as Scheme<T>>::PLAN);
     const PROPERTIES: Properties = Properties {
         remembers: <T as Discretized<E>>::PROPERTIES.remembers,
@@ -45,11 +46,11 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
         is_variational: false,
         ..Properties::of(&<Self as Scheme<T>>::PLAN, 0)
     };
-    type Prepared<K: Constant> = Prepared<PreparedOf<T, E, K>, K>;
+    type Prepared<K: Constant> = ThermostatConstants<PreparedOf<T, E, K>, K>;
     /// The memory of the inner step, with the state before the whole step, and that of the O parts.
-    type Memory<S: Scalar> = (kept::Memory<S, MemoryOf<T, E, S>>, part::Memory<S>);
-    type Compensated<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Compensated<S>;
-    type Carry<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Carry<S>;
+    type Memory<S: Scalar> = (memory::CompositionMemory<S, MemoryOf<T, E, S>>, part::BathMemory<S>);
+    type CompensatedSum<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::CompensatedSum<S>;
+    type Sum<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Sum<S>;
 
     fn increments(system: &T, degrees: usize) -> usize {
         SchemeOf::<T, E>::increments(system, degrees) + normals::<T>(degrees, SHARES.parts)
@@ -71,36 +72,40 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
 
     fn memory(system: &T) -> Self::Memory<f64> {
         let (step, degrees) = (SchemeOf::<T, E>::memory(system), Elements::degrees(system));
-        (kept::Memory::of(step).with_room(degrees, 0), part::Memory::of_system(system))
+        (memory::CompositionMemory::of(step).with_room(degrees, 0), part::BathMemory::of_system(system))
     }
 
-    fn prepare<K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
+    fn prepare<K: Constant>(
+        system: &T,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<Self::Prepared<K>, ConfigError> {
         let relaxation = part::prepare(system, (lift, h), SHARES)?;
-        Ok(Prepared { step: SchemeOf::<T, E>::prepare(system, lift, h)?, relaxation })
+        Ok(ThermostatConstants { step: SchemeOf::<T, E>::prepare(system, lift, h)?, relaxation })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
         let relaxation = part::gather(prepared.map(|prepared| &prepared.relaxation))?;
         let step = SchemeOf::<T, E>::gather(prepared.map(|prepared| &prepared.step))?;
-        Some(Prepared { step, relaxation })
+        Some(ThermostatConstants { step, relaxation })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &T,
         prepared: &Self::Prepared<K>,
-        at: At<'_, S, K, impl Movable<S> + ?Sized>,
+        at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         (kept, bath): &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.lists();
+        let StepArguments { t, h, q, p, dw } = at.lists();
         let degrees = q.len();
         check_state(system, true, [degrees, p.len()])?;
         let noises = SchemeOf::<T, E>::increments(system, degrees);
         let size = ([t, h], SHARES, degrees);
         let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
         let (effort, heat) = between(&mut parts, [q, p], kept, carry, |[q, p], memory, carry| {
-            let at = At { t, h, q, p, dw: &dw[..noises] };
+            let at = StepArguments { t, h, q, p, dw: &dw[..noises] };
             SchemeOf::<T, E>::advance::<K, S, C, CAREFUL>(system, &prepared.step, at, memory, carry)
         })?;
         bath.heat = heat;
@@ -111,15 +116,15 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
 /// A step between its O parts; returns the heat of both. A step that fails changes
 /// nothing.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn between<T: Elements, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
-    parts: &mut Parts<'_, T, K, S>,
+fn between<T: Elements, K: Constant, S: ComputesWith<K>, C: StateSum<S>, M: StepMemory>(
+    parts: &mut OParts<'_, T, K, S>,
     [q, p]: [&mut [S]; 2],
-    kept: &mut kept::Memory<S, M>,
+    kept: &mut memory::CompositionMemory<S, M>,
     carry: &mut C,
     step: impl FnOnce([&mut [S]; 2], &mut M, &mut C) -> Result<Effort, StepFailure>,
 ) -> Result<(Effort, S), StepFailure> {
     kept.save(q, p, carry);
-    let all = |kept: &mut kept::Memory<S, M>, carry: &mut C| {
+    let all = |kept: &mut memory::CompositionMemory<S, M>, carry: &mut C| {
         let before = relax(parts, 0, q, p, &mut kept.carried, carry)?;
         let (effort, failed) = match step([&mut *q, &mut *p], &mut kept.parts, carry) {
             Ok(effort) => (effort, FailedLanes::default()),
@@ -141,8 +146,8 @@ fn between<T: Elements, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
 
 /// Applies an O part to a state, with compensation.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn relax<T: Elements, K: Constant, S: Over<K>, C: Carry<S>>(
-    parts: &mut Parts<'_, T, K, S>,
+fn relax<T: Elements, K: Constant, S: ComputesWith<K>, C: StateSum<S>>(
+    parts: &mut OParts<'_, T, K, S>,
     part: usize,
     q: &mut [S],
     p: &mut [S],
@@ -150,7 +155,7 @@ fn relax<T: Elements, K: Constant, S: Over<K>, C: Carry<S>>(
     carry: &mut C,
 ) -> Result<S, StepFailure> {
     if C::CARRIES {
-        kept::list_carried(carry, q.len(), [lost_q, lost_p]);
+        memory::list_carried(carry, q.len(), [lost_q, lost_p]);
     }
     let heat = parts.apply::<C>(part, None, [q, p, lost_p])?;
     if C::CARRIES {

@@ -243,7 +243,7 @@ impl HarmonicLaw {
         let spelling = W::SPELLING;
         let decay = W::DECAY.factor(gamma / spelling.parts as f64);
         let factor = if W::IS_SHORTENED { (0.5 * gamma).tanh() / (0.5 * gamma) } else { 1.0 }.sqrt();
-        let letters = Linear { spelling, decay, factor };
+        let letters = LinearStep { spelling, decay, factor };
         let columns = [[1.0, 0.0], [0.0, 1.0]].map(|start| letters.step([omega, 0.0], start));
         let [[a, c], [b, d]] = columns;
         let [s_qq, s_qp, s_pp] = letters.covariance(omega);
@@ -272,13 +272,13 @@ impl HarmonicLaw {
 }
 
 /// The step of a linear system with `h = 1`.
-struct Linear<'s> {
+struct LinearStep<'s> {
     spelling: &'s Spelling,
     decay: f64,
     factor: f64,
 }
 
-impl Linear<'_> {
+impl LinearStep<'_> {
     /// Maps the mean `(√k q, p)` under a constant force, or `(q, p)` without a spring.
     fn step(&self, [omega, force]: [f64; 2], [mut q, mut p]: [f64; 2]) -> [f64; 2] {
         let unit = if omega == 0.0 { 1.0 } else { omega };
@@ -299,7 +299,7 @@ impl Linear<'_> {
     }
 
     /// The contribution of the noise of the O parts to `<q²>`, `<q p>`, `<p²>` in the units of
-    /// [`Linear::step`].
+    /// [`LinearStep::step`].
     fn covariance(&self, omega: f64) -> [f64; 3] {
         let unit = if omega == 0.0 { 1.0 } else { omega };
         let [mut qq, mut qp, mut pp] = [0.0; 3];

@@ -10,33 +10,37 @@
 //! and, if the force reads it, time are the same to the last bit. Reuse changes no number, and checkpoints do
 //! not contain the force.
 //!
-//! Flows evaluate the system by [`Field::step_slopes`]. The compiler proves the form of `F`.
+//! Flows evaluate the system by [`Field::step_gradient`]. The compiler proves the form of `F`.
 
 use std::marker::PhantomData;
 
 use super::Composes;
-use super::gradient::Kick;
-use super::lagrangian::{self, Followed};
-use super::stages::{Act, Memory, Origin, Rooms, Stage, Stages, add, advance, follow};
-use super::substeps::{By, Half, kept_energy, plan};
-use super::windowed::{Givens, least_alone, takes_windows};
-use crate::algebra::carry::{self, Carry, Plain};
+use super::gradient::KickInput;
+use super::lagrangian::{self, SequenceEnd};
+use super::stages::{
+    Act, ForceTime, SplittingLists, SplittingMemory, Stage, StageList, add, follow, take_parts,
+};
+use super::substeps::{Half, Substeps, kept_energy, plan};
+use super::tiled::{TiledInput, least_scalar, takes_tiles};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::{Constant, Of, Over, Parameters as _, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, ConstantsIn, Parameters as _, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
+use crate::algebra::state_sum::{self, PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure, StepPromise};
-use crate::scheme::elements::{Flow, PairColumns, Slopes, add_slopes, check_new, nothing};
+use crate::scheme::elements::{Flow, PairColumns, Partials, add_gradient, check_new, nothing};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{KeptEnergy, Plan};
-use crate::scheme::system::{At, Hamiltonian, Lift, Movable, Properties, Scheme, Segment, as_they_are};
+use crate::scheme::system::{
+    Hamiltonian, LiftParameter, Movable, Properties, Scheme, Segment, StepArguments, as_they_are,
+};
 
 /// The drifts and kicks `W` in turn; `SQUARES` if kicks are by potentials with the square of the force.
 #[derive(Clone, Copy, Debug)]
 pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 
-impl<F, E, T, W, const SQUARES: bool> Scheme<F> for KickDrift<By<E, T, W>, SQUARES>
+impl<F, E, T, W, const SQUARES: bool> Scheme<F> for KickDrift<Substeps<E, T, W>, SQUARES>
 where
     F: Field,
     W: Composes<E, T>,
@@ -47,27 +51,32 @@ where
             true => KeptEnergy::Nearly,
             false => kept_energy(KeptEnergy::KickDriftKick, W::ORDER),
         },
-        fills_registers_from: if SQUARES { usize::MAX } else { least_alone::<F>() },
+        scalar_paths_from: if SQUARES { usize::MAX } else { least_scalar::<F>() },
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
-    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, Of<F::Parameters, K::Lifted>>;
-    type Memory<S: Scalar> = Memory<S, F::Shape>;
-    type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
-    type Carry<S: Scalar> = Plain;
+    type Prepared<K: Constant> =
+        KickDriftConstants<ConstantsIn<F::Parameters, K>, ConstantsIn<F::Parameters, K::Lifted>>;
+    type Memory<S: Scalar> = SplittingMemory<S, F::Shape>;
+    type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
+    type Sum<S: Scalar> = PlainSum;
 
     fn memory(system: &F) -> Self::Memory<f64> {
-        let mut memory = Memory::of_system(system);
+        let mut memory = SplittingMemory::of_system(system);
         if SQUARES {
             memory.directional.fit(system.degrees(), Hamiltonian::noises(system));
         }
         memory
     }
 
-    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, _: K) -> Result<Self::Prepared<K>, ConfigError> {
+    fn prepare<K: Constant>(
+        system: &F,
+        lift: LiftParameter<'_, K>,
+        _: K,
+    ) -> Result<Self::Prepared<K>, ConfigError> {
         check_new(system)?;
         let along = SQUARES.then(|| system.parameters(&|number, value| lift(number, value).lifted()));
-        let stages = Stages::of(&W::substeps()).flows(W::GRADIENT);
-        Ok(Prepared { parameters: system.parameters(lift), along, stages })
+        let stages = StageList::of(&W::substeps()).flows(W::GRADIENT);
+        Ok(KickDriftConstants { parameters: system.parameters(lift), along, stages })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -75,82 +84,84 @@ where
             return None;
         }
         let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
-        Some(Prepared { parameters, along: None, stages: prepared.first()?.stages.clone() })
+        Some(KickDriftConstants { parameters, along: None, stages: prepared.first()?.stages.clone() })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &F,
-        Prepared { parameters, along, stages: Stages(stages) }: &Self::Prepared<K>,
-        At { t, h, q, p, dw }: At<'_, S, K, impl Movable<S> + ?Sized>,
+        KickDriftConstants { parameters, along, stages: StageList(stages) }: &Self::Prepared<K>,
+        StepArguments { t, h, q, p, dw }: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !SQUARES }
-            && takes_windows::<F>(q.list().len())
+        if const { F::FACTS.has_tiles && S::MAY_BE_F64 && !SQUARES }
+            && takes_tiles::<F>(q.list().len())
             && let (Some(own_q), Some(own_p), Some(dw)) =
-                (S::plain_mut(q.list()), S::plain_mut(p.list()), S::plain(dw))
+                (S::as_f64s_mut(q.list()), S::as_f64s_mut(p.list()), S::as_f64s(dw))
         {
-            let lost = carry.lists(own_q.len()).map(|lost| S::plain(lost).unwrap_or_default());
-            let givens = Givens { t: t.lane(0), h: h.lane(0), stretch: 1.0, q: own_q, p: own_p, lost, dw };
+            let lost = carry.lists(own_q.len()).map(|lost| S::as_f64s(lost).unwrap_or_default());
+            let givens =
+                TiledInput { t: t.lane(0), h: h.lane(0), stretch: 1.0, q: own_q, p: own_p, lost, dw };
             let taken = match C::CARRIES {
-                true => memory.windows.advance::<F, false, true>(system, stages, givens, None)?,
-                false => memory.windows.advance::<F, false, false>(system, stages, givens, None)?,
+                true => memory.tiles.take_parts_in_tiles::<F, false, true>(system, stages, givens, None)?,
+                false => memory.tiles.take_parts_in_tiles::<F, false, false>(system, stages, givens, None)?,
             };
             taken.store(q, p, carry);
             return Ok(Effort::fast(0));
         }
-        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, along, t, h, stretch: K::from_f64(1.0) };
-        let take = |stage: &_, rooms: &mut _, memory: &mut _| flows.take::<S, C>(stage, rooms, memory);
-        advance(system, take, stages, [q.list(), p.list()], dw, memory, carry)
+        let flows =
+            KickDriftFlows::<_, _, SQUARES> { system, parameters, along, t, h, stretch: K::from_f64(1.0) };
+        let take = |stage: &_, rooms: &mut _, memory: &mut _| flows.take_part::<S, C>(stage, rooms, memory);
+        take_parts(system, take, stages, [q.list(), p.list()], dw, memory, carry)
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
-        let Stages(stages) = Stages::of(&W::substeps()).flows(W::GRADIENT);
+        let StageList(stages) = StageList::of(&W::substeps()).flows(W::GRADIENT);
         let parameters = &system.parameters(&as_they_are);
         let Segment { t, h, .. } = *segment;
         let along = &SQUARES.then(|| system.parameters(&as_they_are));
-        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, along, t, h, stretch: 1.0 };
+        let flows = KickDriftFlows::<_, _, SQUARES> { system, parameters, along, t, h, stretch: 1.0 };
         lagrangian::value(segment, dw, Hamiltonian::noises(system), || flows.follow(&stages, segment, dw))
     }
 }
 
 /// The parameters of a system, and the parts of a step.
 #[derive(Clone, Debug)]
-pub struct Prepared<P, A> {
+pub struct KickDriftConstants<P, A> {
     parameters: P,
     /// The parameters for kicks with the square of the force, which take one more derivative.
     along: Option<A>,
-    stages: Stages<Act>,
+    stages: StageList<Act>,
 }
 
 /// The flows in a step.
-pub(crate) struct FlowsOf<'a, F: Field, K: Constant, const SQUARES: bool = false> {
+pub(crate) struct KickDriftFlows<'a, F: Field, K: Constant, const SQUARES: bool = false> {
     pub(crate) system: &'a F,
-    pub(crate) parameters: &'a Of<F::Parameters, K>,
-    pub(crate) along: &'a Option<Of<F::Parameters, K::Lifted>>,
+    pub(crate) parameters: &'a ConstantsIn<F::Parameters, K>,
+    pub(crate) along: &'a Option<ConstantsIn<F::Parameters, K::Lifted>>,
     pub(crate) t: K,
     pub(crate) h: K,
     /// The ratio of the time of all flows to that of their stages.
     pub(crate) stretch: K,
 }
 
-impl<F: Field, K: Constant, const SQUARES: bool> Clone for FlowsOf<'_, F, K, SQUARES> {
+impl<F: Field, K: Constant, const SQUARES: bool> Clone for KickDriftFlows<'_, F, K, SQUARES> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<F: Field, K: Constant, const SQUARES: bool> Copy for FlowsOf<'_, F, K, SQUARES> {}
+impl<F: Field, K: Constant, const SQUARES: bool> Copy for KickDriftFlows<'_, F, K, SQUARES> {}
 
-impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
+impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARES> {
     /// Moves the state by a part of a step. None of these parts fails.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn take<S: Over<K>, C: Carry<S>>(
+    pub(crate) fn take_part<S: ComputesWith<K>, C: StateSum<S>>(
         &self,
         stage: &Stage<Act>,
-        rooms: &mut Rooms<S, F::Shape>,
-        memory: &mut Memory<S, F::Shape>,
+        rooms: &mut SplittingLists<S, F::Shape>,
+        memory: &mut SplittingMemory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
         let [q, p, lost_q, lost_p, force, velocity] = &mut rooms.0;
         let (t, h) = (self.t + self.h * stage.node, self.h * (self.stretch * stage.share));
@@ -159,10 +170,10 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
                 self.drift::<S, C>(h, q.as_mut(), p.as_ref(), &memory.dw, velocity.as_mut(), lost_q.as_mut());
             }
             Act::Square(gradient) if SQUARES => {
-                let Memory { directional, dw, .. } = memory;
+                let SplittingMemory { directional, dw, .. } = memory;
                 let (q, force, change) = (q.as_ref(), force.as_mut(), velocity.as_mut());
                 directional.fit(q.len(), dw.len());
-                Kick { flows: self, stage, q, dw }.differentiate(directional, force, change)?;
+                KickInput { flows: self, stage, q, dw }.differentiate(directional, force, change)?;
                 let factor = 2.0 * gradient / stage.share.powi(3);
                 for (force, change) in force.iter_mut().zip(change) {
                     *force = *force + *change * factor;
@@ -171,7 +182,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
             }
             Act::Flow(Half::Second) | Act::Square(_) => {
                 let (q, p, lost_p) = (q.as_ref(), p.as_mut(), lost_p.as_mut());
-                self.kick::<S, C>(Origin { t, h }, stage.is_end, q, p, force.as_mut(), lost_p, memory);
+                self.kick::<S, C>(ForceTime { t, h }, stage.is_end, q, p, force.as_mut(), lost_p, memory);
             }
             Act::Relax(_) | Act::RelaxBetween(_) => {
                 return Err(StepFailure::Internal(StepPromise::Bath));
@@ -180,11 +191,11 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         Ok(())
     }
 
-    /// Loops add to each place in turn, and need no separate list of slopes.
+    /// Loops add to each place in turn, and need no separate list of derivatives.
     const IN_PLACE: bool = !F::Shape::IS_FIXED;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn drift<S: Over<K>, C: Carry<S>>(
+    fn drift<S: ComputesWith<K>, C: StateSum<S>>(
         &self,
         h: K,
         q: &mut [S],
@@ -197,54 +208,54 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         // No pairs add to the velocities.
         let columns = &mut PairColumns::default();
         if Self::IN_PLACE {
-            let flow = self.flow(Origin { t, h }, dw);
+            let flow = self.flow(ForceTime { t, h }, dw);
             if !C::CARRIES {
-                return add_slopes(system, flow, p, Slopes::BY_MOMENTA, q, columns);
+                return add_gradient(system, flow, p, Partials::BY_MOMENTA, q, columns);
             }
             velocity.fill(nothing());
-            add_slopes(system, flow, p, Slopes::BY_MOMENTA, velocity, columns);
+            add_gradient(system, flow, p, Partials::BY_MOMENTA, velocity, columns);
             return add::<S, C>(q, velocity, lost);
         }
         let [t, h] = [t, h].map(S::constant);
         let (at, into) = (([t, h], [&*q, p], dw), [&mut [][..], &mut *velocity]);
-        system.step_slopes::<K, S, false, true>(parameters, at, into, columns);
+        system.step_gradient::<K, S, false, true>(parameters, at, into, columns);
         add::<S, C>(q, velocity, lost);
     }
 
     /// `p ← p + ∂F/∂q`, in loops.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force<S: Over<K>>(
+    fn add_force<S: ComputesWith<K>>(
         &self,
-        origin: Origin<K>,
+        origin: ForceTime<K>,
         q: &[S],
         dw: &[S],
         p: &mut [S],
         columns: &mut PairColumns,
     ) {
-        add_slopes(self.system, self.flow(origin, dw), q, Slopes::BY_COORDINATES, p, columns);
+        add_gradient(self.system, self.flow(origin, dw), q, Partials::BY_COORDINATES, p, columns);
     }
 
     /// For elements, of which all lanes have the same constants.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn flow<'s, S: Over<K>>(&'s self, Origin { t, h }: Origin<K>, dw: &'s [S]) -> Flow<'s, S> {
+    fn flow<'s, S: ComputesWith<K>>(&'s self, ForceTime { t, h }: ForceTime<K>, dw: &'s [S]) -> Flow<'s, S> {
         let [t, h] = [t, h].map(|constant| S::constant(constant).to_constant());
         Flow { t, h, parameters: S::varied(F::Parameters::varied(self.parameters)), dw }
     }
 
     #[expect(clippy::too_many_arguments, reason = "lists of a step, which lie beside each other")]
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn kick<S: Over<K>, C: Carry<S>>(
+    fn kick<S: ComputesWith<K>, C: StateSum<S>>(
         &self,
-        origin: Origin<K>,
+        origin: ForceTime<K>,
         is_end: bool,
         q: &[S],
         p: &mut [S],
         force: &mut [S],
         lost: &mut [S],
-        memory: &mut Memory<S, F::Shape>,
+        memory: &mut SplittingMemory<S, F::Shape>,
     ) {
         let &Self { system, parameters, .. } = self;
-        let Origin { t, h } = origin;
+        let ForceTime { t, h } = origin;
         if Self::IN_PLACE && !C::CARRIES && !is_end {
             return self.add_force(origin, q, &memory.dw, p, &mut memory.columns);
         }
@@ -256,9 +267,9 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
             force.fill(nothing());
             self.add_force(origin, q, &memory.dw, force, &mut memory.columns);
         } else {
-            let ([t, h], Memory { dw, columns, .. }) = ([t, h].map(S::constant), &mut *memory);
+            let ([t, h], SplittingMemory { dw, columns, .. }) = ([t, h].map(S::constant), &mut *memory);
             let (at, into) = (([t, h], [q, &*p], &dw[..]), [&mut *force, &mut []]);
-            system.step_slopes::<K, S, true, false>(parameters, at, into, columns);
+            system.step_gradient::<K, S, true, false>(parameters, at, into, columns);
         }
         add::<S, C>(p, force, lost);
         if is_kept {
@@ -267,7 +278,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
     }
 }
 
-impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
+impl<F: Field, const SQUARES: bool> KickDriftFlows<'_, F, f64, SQUARES> {
     /// The end of the parts and their discrete Lagrangian. A drift has `p · Δq - a T(p)`, a kick at `q` has
     /// `-b V(q) + c |V'(q)|²`. The weights of each kind sum to 1, so that `T = F(q_0, ·) - V(q_0)` and
     /// `V = F(·, p_0) - T(p_0)` sum to values of `F`, less `F(q_0, p_0)`.
@@ -276,7 +287,7 @@ impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
         stages: &[Stage<Act>],
         segment: &Segment<F::Vector>,
         dw: &[f64],
-    ) -> Option<Followed<F::Vector>> {
+    ) -> Option<SequenceEnd<F::Vector>> {
         let Self { system, t, h, .. } = self;
         let (q0, p0) = (segment.q0.components(), segment.p.components());
         Hamiltonian::check(system, q0.len()).ok()?;
@@ -284,7 +295,8 @@ impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
             let noises = dw.iter().zip(1..).map(|(dw, term)| dw * system.evaluate(term, q, p, t));
             h * system.evaluate(0, q, p, t) + noises.sum::<f64>()
         };
-        let take = |stage: &_, rooms: &mut _, memory: &mut _| self.take::<f64, Plain>(stage, rooms, memory);
+        let take =
+            |stage: &_, rooms: &mut _, memory: &mut _| self.take_part::<f64, PlainSum>(stage, rooms, memory);
         let mut followed = follow(take, stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
             Act::Flow(Half::First) => {
                 let moved: f64 =

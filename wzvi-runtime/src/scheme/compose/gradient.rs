@@ -8,18 +8,18 @@
 //! p ← p - b V' + 2 c V'' T'' V'
 //! ```
 //!
-//! `T'' V'` and `V'' (T'' V')` are directional derivatives of the generated slopes, computed with dual
+//! `T'' V'` and `V'' (T'' V')` are directional derivatives of the generated derivatives, computed with dual
 //! numbers: two evaluations in addition to the force, for any number of degrees of freedom. All evaluations
 //! are of the fraction `s = -b` of `F`, for which the last term is `2 c / s³` times `s³ V'' T'' V'`.
 
-use super::flows::FlowsOf;
+use super::flows::KickDriftFlows;
 use super::stages::{Act, Stage};
-use crate::algebra::scalar::{Constant, Dual, Of, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, ConstantsIn, Dual, Scalar};
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::elements::PairColumns;
 use crate::scheme::gauss::Field;
 
-impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
+impl<F: Field, const SQUARES: bool> KickDriftFlows<'_, F, f64, SQUARES> {
     /// `c |V'(q)|²` of a kick.
     pub(super) fn of_square(&self, stage: &Stage<Act>, q: &[f64], dw: &[f64]) -> f64 {
         let Act::Square(gradient) = stage.act else { return 0.0 };
@@ -27,22 +27,25 @@ impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
         directional.fit(degrees, dw.len());
         let dw: Vec<f64> = dw.iter().map(|dw| stage.share * dw).collect();
         let [mut force, mut change] = [vec![0.0; degrees], vec![0.0; degrees]];
-        let square =
-            Kick { flows: self, stage, q, dw: &dw }.differentiate(&mut directional, &mut force, &mut change);
+        let square = KickInput { flows: self, stage, q, dw: &dw }.differentiate(
+            &mut directional,
+            &mut force,
+            &mut change,
+        );
         gradient / stage.share.powi(3) * square.unwrap_or(f64::NAN)
     }
 }
 
 /// The input of a force, which is evaluated for the fraction of the step Hamiltonian given by the share of
 /// the stage.
-pub(super) struct Kick<'a, 'f, F: Field, K: Constant, S, const SQUARES: bool> {
-    pub(super) flows: &'a FlowsOf<'f, F, K, SQUARES>,
+pub(super) struct KickInput<'a, 'f, F: Field, K: Constant, S, const SQUARES: bool> {
+    pub(super) flows: &'a KickDriftFlows<'f, F, K, SQUARES>,
     pub(super) stage: &'a Stage<Act>,
     pub(super) q: &'a [S],
     pub(super) dw: &'a [S],
 }
 
-impl<F: Field, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, S, SQUARES> {
+impl<F: Field, K: Constant, S: ComputesWith<K>, const SQUARES: bool> KickInput<'_, '_, F, K, S, SQUARES> {
     /// Writes `V'` into `force` and `V'' T'' V'` into `change`; returns `|V'|²`.
     ///
     /// # Errors
@@ -54,12 +57,12 @@ impl<F: Field, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, 
         force: &mut [S],
         change: &mut [S],
     ) -> Result<S, StepFailure> {
-        let &Self { flows: &FlowsOf { system, parameters, along, t, h, .. }, stage, q, dw } = self;
+        let &Self { flows: &KickDriftFlows { system, parameters, along, t, h, .. }, stage, q, dw } = self;
         let Some(along) = along else { return Err(StepFailure::Internal(StepPromise::PlainConstants)) };
         let (t, h) = (t + h * stage.node, h * stage.share);
         // `V'` and the constant `T''` do not depend on the momenta.
         let (at, into) = (([S::constant(t), S::constant(h)], [q, q], dw), [&mut *force, &mut []]);
-        system.step_slopes::<K, S, true, false>(parameters, at, into, &mut room.columns);
+        system.step_gradient::<K, S, true, false>(parameters, at, into, &mut room.columns);
         for (dual, &dw) in room.dw.iter_mut().zip(dw) {
             *dual = Dual::constant(dw);
         }
@@ -68,13 +71,13 @@ impl<F: Field, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, 
             *dual_q = Dual::constant(q);
             *dual_p = Dual { value: S::from_f64(0.0), derivative: [force] };
         }
-        room.slopes::<F, K, false, true>(system, along, [t, h]);
+        room.gradient::<F, K, false, true>(system, along, [t, h]);
         let mut square = S::from_f64(0.0);
         for ((dual_q, slope), &force) in room.q.iter_mut().zip(&room.slopes).zip(&*force) {
             dual_q.derivative = slope.derivative;
             square = square + force * slope.derivative[0];
         }
-        room.slopes::<F, K, true, false>(system, along, [t, h]);
+        room.gradient::<F, K, true, false>(system, along, [t, h]);
         for (change, slope) in change.iter_mut().zip(&room.slopes) {
             [*change] = slope.derivative;
         }
@@ -82,7 +85,7 @@ impl<F: Field, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, 
     }
 }
 
-/// Scratch for slopes with their derivative in one direction.
+/// Scratch for derivatives with their derivative in one direction.
 #[derive(Debug, Default)]
 pub(super) struct Directional<S> {
     q: Vec<Dual<1, S>>,
@@ -105,21 +108,21 @@ impl<S: Scalar> Directional<S> {
         }
     }
 
-    /// The slopes by the coordinates or by the momenta.
+    /// The derivatives by the coordinates or by the momenta.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn slopes<F: Field, K: Constant, const BY_Q: bool, const BY_P: bool>(
+    fn gradient<F: Field, K: Constant, const BY_Q: bool, const BY_P: bool>(
         &mut self,
         system: &F,
-        parameters: &Of<F::Parameters, K::Lifted>,
+        parameters: &ConstantsIn<F::Parameters, K::Lifted>,
         constants: [K; 2],
     ) where
-        S: Over<K>,
+        S: ComputesWith<K>,
     {
         let [t, h] = constants.map(|constant| S::Along::constant(constant.lifted()));
         let Self { q, p, slopes, dw, columns } = self;
         let [q, p, slopes, dw] = S::along([q, p, slopes, dw]);
         let (by_q, by_p) = if BY_Q { (slopes, &mut [][..]) } else { (&mut [][..], slopes) };
         let (at, into) = (([t, h], [&*q, &*p], &*dw), [by_q, by_p]);
-        system.step_slopes::<K::Lifted, S::Along, BY_Q, BY_P>(parameters, at, into, columns);
+        system.step_gradient::<K::Lifted, S::Along, BY_Q, BY_P>(parameters, at, into, columns);
     }
 }

@@ -5,7 +5,7 @@ use crate::scheme::system::Segment;
 
 /// The end of a sequence of parts: `Q`, `R`, and the sum `A` of their discrete Lagrangians.
 #[derive(Clone, Debug)]
-pub(crate) struct Followed<V> {
+pub(crate) struct SequenceEnd<V> {
     pub(crate) q: V,
     pub(crate) p: V,
     pub(crate) action: f64,
@@ -16,12 +16,12 @@ pub(crate) fn value<V: Vector>(
     segment: &Segment<V>,
     dw: &[f64],
     noises: usize,
-    follow: impl FnOnce() -> Option<Followed<V>>,
+    follow: impl FnOnce() -> Option<SequenceEnd<V>>,
 ) -> f64 {
     if segment.q0.components().len() != segment.p.components().len() || dw.len() != noises {
         return f64::NAN;
     }
-    follow().map_or(f64::NAN, |Followed { q, p, action }| {
+    follow().map_or(f64::NAN, |SequenceEnd { q, p, action }| {
         let gaps = segment.q1.components().iter().zip(q.components()).map(|(q1, q)| q1 - q);
         action + p.components().iter().zip(gaps).map(|(p, gap)| p * gap).sum::<f64>()
     })

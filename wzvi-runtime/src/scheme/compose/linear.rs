@@ -11,18 +11,18 @@
 //!
 //! Degrees of freedom that `K` does not couple have separate exponentials.
 
-use crate::algebra::scalar::{Constant, Mask as _, Over};
+use crate::algebra::scalar::{ComputesWith, Constant, Mask as _};
 use crate::error::ConfigError;
 
 /// The flow over a fixed time.
 #[derive(Clone, Debug)]
-pub(super) struct Linear<K = f64> {
-    blocks: Vec<Block<K>>,
+pub(super) struct LinearFlow<K = f64> {
+    blocks: Vec<CoupledGroup<K>>,
 }
 
 /// The flow of a group of coupled degrees of freedom.
 #[derive(Clone, Debug)]
-struct Block<K> {
+struct CoupledGroup<K> {
     /// The degrees of freedom; `x` are their coordinates, then their momenta.
     degrees: Vec<usize>,
     /// Row by row, `2n + 1` rows of `2n + 1` numbers: `D` and `d`, then the row for `-∫ b · x / 2`.
@@ -32,7 +32,7 @@ struct Block<K> {
 /// Number of terms of the sum for `D`: with a norm of at most 1/2, the first omitted term is below rounding.
 const TERMS: u32 = 18;
 
-impl<K: Constant> Linear<K> {
+impl<K: Constant> LinearFlow<K> {
     /// The flow over the time `s`. `slopes(x, y)` writes `∂H/∂q`, `∂H/∂p` at `x` into `y`; both have the
     /// coordinates first.
     ///
@@ -86,16 +86,16 @@ impl<K: Constant> Linear<K> {
             let exponential = exponential_less_one(matrix, size);
             let kept = exponential.chunks(size).take(n + 1);
             let rows = kept.flat_map(|row| row[..n].iter().chain(&row[n + 1..])).copied().collect();
-            Block { degrees: group, rows }
+            CoupledGroup { degrees: group, rows }
         });
-        let blocks: Vec<Block<K>> = blocks.collect();
+        let blocks: Vec<CoupledGroup<K>> = blocks.collect();
         let is_finite = blocks.iter().flat_map(|block| &block.rows).all(|entry| entry.is_finite().all());
         if is_finite { Ok(Self { blocks }) } else { Err(ConfigError::Parameter) }
     }
 
     /// The increments of the state into `dq`, `dp`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn increments<S: Over<K>>(&self, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
+    pub(super) fn increments<S: ComputesWith<K>>(&self, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
         for block in &self.blocks {
             let n = block.degrees.len();
             for (row, coefficients) in block.rows.chunks(2 * n + 1).take(2 * n).enumerate() {
@@ -108,7 +108,7 @@ impl<K: Constant> Linear<K> {
     }
 }
 
-impl Linear {
+impl LinearFlow {
     /// `∫ p · q' - H` over the flow from one state to another.
     pub(super) fn action(&self, [q, p]: [&[f64]; 2], [next_q, next_p]: [&[f64]; 2]) -> f64 {
         let product = |p: &[f64], q: &[f64]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
@@ -120,10 +120,10 @@ impl Linear {
     }
 }
 
-impl<K: Constant> Block<K> {
+impl<K: Constant> CoupledGroup<K> {
     /// A row of the map, applied to a state of the whole system.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn row<S: Over<K>>(&self, coefficients: &[K], q: &[S], p: &[S]) -> S {
+    fn row<S: ComputesWith<K>>(&self, coefficients: &[K], q: &[S], p: &[S]) -> S {
         let n = self.degrees.len();
         let mut sum = S::constant(coefficients[2 * n]);
         for (k, &i) in self.degrees.iter().enumerate() {
@@ -205,7 +205,7 @@ mod tests {
         let mut slopes = |x: &[f64], y: &mut [f64]| {
             y.copy_from_slice(&[omega * x[0], g, x[5], omega * x[3], x[4], x[2]]);
         };
-        let linear = Linear::new(3, s, &mut slopes).unwrap_or(Linear { blocks: Vec::new() });
+        let linear = LinearFlow::new(3, s, &mut slopes).unwrap_or(LinearFlow { blocks: Vec::new() });
         let rows: Vec<&[f64]> = linear.blocks.iter().map(|block| block.rows.as_slice()).collect();
         let (sin, cos) = (omega * s).sin_cos();
         let exact: [[f64; 6]; 3] = [

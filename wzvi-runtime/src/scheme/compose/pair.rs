@@ -3,30 +3,30 @@
 use std::marker::PhantomData;
 
 use super::Composes;
-use super::kept::Memory;
-use super::lagrangian::{self, Followed};
-use super::substeps::{By, Half, joint_plan, kept_energy, plan};
+use super::lagrangian::{self, SequenceEnd};
+use super::memory::CompositionMemory;
+use super::substeps::{Half, Substeps, joint_plan, kept_energy, plan};
 use super::text::Listing;
-use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
+use crate::algebra::state_sum::StateSum;
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::poles::Poles;
 use crate::scheme::system::{
-    At, Discretized, Hamiltonian, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, Segment,
-    anew, as_they_are, check_state,
+    Discretized, Hamiltonian, LiftParameter, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf,
+    Segment, StepArguments, anew, as_they_are, check_state,
 };
 
 /// Steps `W` of the schemes `A` and `B`, which may be the same.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair<A, B, W>(PhantomData<(A, B, W)>);
+pub struct PairComposition<A, B, W>(PhantomData<(A, B, W)>);
 
 /// The prepared parts of a step.
 #[derive(Clone, Debug)]
-pub struct Prepared<A, B> {
+pub struct PairConstants<A, B> {
     /// The kind of each part, after which fraction of the step it starts, and which fraction it is.
     parts: Vec<(Half, f64, f64)>,
     /// What the steps of each kind need, in the order of the parts.
@@ -64,7 +64,7 @@ fn scale<S: Scalar>(dw: &[S], weight: f64, into: &mut Vec<S>) {
     into.extend(dw.iter().map(|dw| *dw * weight));
 }
 
-impl<H, A, B, E, T, W> Scheme<H> for Pair<A, B, By<E, T, W>>
+impl<H, A, B, E, T, W> Scheme<H> for PairComposition<A, B, Substeps<E, T, W>>
 where
     H: Discretized<A> + Discretized<B>,
     W: Composes<E, T>,
@@ -86,10 +86,10 @@ where
             ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
         }
     };
-    type Prepared<K: Constant> = Prepared<PreparedOf<H, A, K>, PreparedOf<H, B, K>>;
-    type Memory<S: Scalar> = Memory<S, (Vec<MemoryOf<H, A, S>>, Vec<MemoryOf<H, B, S>>)>;
-    type Compensated<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Compensated<S>;
-    type Carry<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Carry<S>;
+    type Prepared<K: Constant> = PairConstants<PreparedOf<H, A, K>, PreparedOf<H, B, K>>;
+    type Memory<S: Scalar> = CompositionMemory<S, (Vec<MemoryOf<H, A, S>>, Vec<MemoryOf<H, B, S>>)>;
+    type CompensatedSum<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::CompensatedSum<S>;
+    type Sum<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Sum<S>;
 
     fn memory(system: &H) -> Self::Memory<f64> {
         let mut parts = (Vec::new(), Vec::new());
@@ -99,10 +99,14 @@ where
                 Half::Second => parts.1.push(SchemeOf::<H, B>::memory(system)),
             }
         }
-        Memory::of(parts).with_room(system.degrees(), system.noises())
+        CompositionMemory::of(parts).with_room(system.degrees(), system.noises())
     }
 
-    fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
+    fn prepare<K: Constant>(
+        system: &H,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<Self::Prepared<K>, ConfigError> {
         let (mut start, mut parts, mut of) = (0.0, Vec::new(), (Vec::new(), Vec::new()));
         for (half, weight) in W::substeps() {
             match half {
@@ -112,24 +116,24 @@ where
             parts.push((half, start, weight));
             start += weight;
         }
-        Ok(Prepared { parts, of })
+        Ok(PairConstants { parts, of })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
         let first = gather_all::<H, A, L>(prepared.map(|prepared| &prepared.of.0))?;
         let second = gather_all::<H, B, L>(prepared.map(|prepared| &prepared.of.1))?;
-        Some(Prepared { parts: prepared.first()?.parts.clone(), of: (first, second) })
+        Some(PairConstants { parts: prepared.first()?.parts.clone(), of: (first, second) })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &H,
         prepared: &Self::Prepared<K>,
-        at: At<'_, S, K, impl Movable<S> + ?Sized>,
+        at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.lists();
+        let StepArguments { t, h, q, p, dw } = at.lists();
         check_state(system, true, [q.len(), p.len()])?;
         let (firsts, seconds) = &mut memory.parts;
         firsts.resize_with(prepared.of.0.len(), Default::default);
@@ -138,9 +142,9 @@ where
         let mut effort = Effort::fast(0);
         let (mut first, mut second, mut failed) = (0, 0, FailedLanes::default());
         for &(half, start, weight) in &prepared.parts {
-            let Memory { parts: (firsts, seconds), dw: scaled, .. } = &mut *memory;
+            let CompositionMemory { parts: (firsts, seconds), dw: scaled, .. } = &mut *memory;
             scale(dw, weight, scaled);
-            let at = At { t: t + h * start, h: h * weight, q: &mut *q, p: &mut *p, dw: scaled };
+            let at = StepArguments { t: t + h * start, h: h * weight, q: &mut *q, p: &mut *p, dw: scaled };
             let taken = match half {
                 Half::First => {
                     let (prepared, memory) = (&prepared.of.0[first], &mut firsts[first]);
@@ -154,7 +158,7 @@ where
                 }
             };
             match taken {
-                Ok(taken) => effort = effort.beside(taken),
+                Ok(taken) => effort = effort.and_block(taken),
                 // Failed lanes continue from their current state, and are reset at the end.
                 Err(StepFailure::Lanes(lanes)) => failed = failed.or(lanes),
                 Err(failure) => {
@@ -180,7 +184,7 @@ where
                 };
                 start += weight;
             }
-            Some(Followed { q: state.q, p: state.p, action })
+            Some(SequenceEnd { q: state.q, p: state.p, action })
         })
     }
 }
@@ -195,7 +199,7 @@ fn part<H: Hamiltonian, T: Scheme<H>>(
     let before = state.clone();
     let prepared = T::prepare(system, &as_they_are, h).ok()?;
     let mut memory = T::Memory::<f64>::default();
-    let at = At { t: before.t, h, q: state.q.components_mut(), p: state.p.components_mut(), dw };
+    let at = StepArguments { t: before.t, h, q: state.q.components_mut(), p: state.p.components_mut(), dw };
     anew::advance::<H, T, f64, f64>(system, &prepared, at, &mut memory).ok()?;
     let p = T::step_momentum(system, &before, state, h, dw);
     let segment = Segment { q0: before.q, q1: state.q.clone(), p, t: before.t, h };

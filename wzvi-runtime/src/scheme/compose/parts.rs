@@ -2,8 +2,8 @@
 //!
 //! Each part has one of the forms whose flow the compiler knows: a function of the coordinates (a kick), a
 //! function of the momenta (a drift), or a quadratic form in both with constant coefficients (a linear map,
-//! [`Linear`], computed once for each weight). A part reads the time that the flows of the other part have
-//! reached: time is a coordinate that `H_A` moves.
+//! [`LinearFlow`], computed once for each weight). A part reads the time that the flows of the other part
+//! have reached: time is a coordinate that `H_A` moves.
 //!
 //! A force `f(q, t)` is included in the kick, `p' = -∂H/∂q + f`. Friction with a single rate is included in
 //! the linear map, `p' = -∂H/∂q - γ p`, which is then conformally symplectic.
@@ -12,19 +12,20 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::Composes;
-use super::lagrangian::{self, Followed};
-use super::linear::Linear;
-use super::stages::{Memory, Rooms, Stage, Stages, add, advance, follow};
-use super::substeps::{By, Half, Substep, plan};
-use crate::algebra::carry::{self, Carry, Plain};
-use crate::algebra::scalar::{Constant, Over, Scalar};
+use super::lagrangian::{self, SequenceEnd};
+use super::linear::LinearFlow;
+use super::stages::{SplittingLists, SplittingMemory, Stage, StageList, add, follow, take_parts};
+use super::substeps::{Half, Substep, Substeps, plan};
+use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
+use crate::algebra::state_sum::{self, PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::elements::{Elements, PairColumns, Point, Slopes, check_new, forces, slopes};
+use crate::scheme::elements::{Elements, EvaluationPoint, PairColumns, Partials, check_new, forces, slopes};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
-    At, Hamiltonian as _, Lift, Movable, Properties, Scheme, Segment, as_they_are, varied_without_lists,
+    Hamiltonian as _, LiftParameter, Movable, Properties, Scheme, Segment, StepArguments, as_they_are,
+    varied_without_lists,
 };
 
 /// The form of a part of the Hamiltonian.
@@ -39,9 +40,9 @@ pub enum Form {
 }
 
 /// The parts of a system whose drift is declared in two.
-struct Parts<F>(PhantomData<F>);
+struct TwoParts<F>(PhantomData<F>);
 
-impl<F: Elements> Parts<F> {
+impl<F: Elements> TwoParts<F> {
     /// As [`Facts::parts`](crate::scheme::plan::Facts::parts).
     const OF_DRIFT: (usize, [Form; 2]) =
         F::FACTS.parts.expect("the drift is declared in two parts, `drift = [H_A, H_B]`");
@@ -49,7 +50,7 @@ impl<F: Elements> Parts<F> {
 
 /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as wanted.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn slopes_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
+fn gradient_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     system: &F,
     part: Half,
     parameters: &[S::Constant],
@@ -60,9 +61,9 @@ fn slopes_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
 ) {
     by_q.fill(S::from_f64(0.0));
     by_p.fill(S::from_f64(0.0));
-    let at = Point { h, ..Point::new([q, p], t, parameters, &[]) };
-    let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
-    let part = (Parts::<F>::OF_DRIFT.0 + part as usize, 1.0);
+    let at = EvaluationPoint { h, ..EvaluationPoint::new([q, p], t, parameters, &[]) };
+    let wanted = Partials { by_q: BY_Q, by_p: BY_P };
+    let part = (TwoParts::<F>::OF_DRIFT.0 + part as usize, 1.0);
     slopes(system, part, &at, wanted, by_q, by_p, columns);
 }
 
@@ -72,9 +73,9 @@ pub struct PartFlows<W>(PhantomData<W>);
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
-pub struct Prepared<K> {
+pub struct PartConstants<K> {
     parameters: Vec<K>,
-    stages: Stages<Act<K>>,
+    stages: StageList<Act<K>>,
 }
 
 /// The flow of a part.
@@ -85,7 +86,7 @@ enum Act<K> {
     /// `q ← q + a ∂H/∂p`
     Drift(Half),
     /// A linear map.
-    Map(Arc<Linear<K>>),
+    Map(Arc<LinearFlow<K>>),
 }
 
 /// Prepares the parts of a step, with one map for all stages of the same part and weight.
@@ -95,15 +96,15 @@ enum Act<K> {
 fn prepare<F: Elements, K: Constant>(
     system: &F,
     degrees: usize,
-    (lift, h): (Lift<'_, K>, K),
+    (lift, h): (LiftParameter<'_, K>, K),
     substeps: &[Substep],
-) -> Result<Prepared<K>, ConfigError> {
+) -> Result<PartConstants<K>, ConfigError> {
     let parameters = varied_without_lists(system, lift)?;
     let mut columns = PairColumns::default();
-    let mut known: Vec<(Stage, Arc<Linear<K>>)> = Vec::new();
+    let mut known: Vec<(Stage, Arc<LinearFlow<K>>)> = Vec::new();
     let mut act = |stage: &Stage| {
         let half = stage.act;
-        match Parts::<F>::OF_DRIFT.1[half as usize] {
+        match TwoParts::<F>::OF_DRIFT.1[half as usize] {
             Form::Coordinates => return Ok(Act::Kick(half)),
             Form::Momenta => return Ok(Act::Drift(half)),
             Form::Quadratic => {}
@@ -113,12 +114,12 @@ fn prepare<F: Elements, K: Constant>(
         {
             return Ok(Act::Map(map.clone()));
         }
-        let map = Linear::new(degrees, h * stage.weight, &mut |x, slopes| {
+        let map = LinearFlow::new(degrees, h * stage.weight, &mut |x, slopes| {
             let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
             let unit = [0.0, 1.0].map(Scalar::from_f64);
             let varied = K::varied(&parameters);
             let (at, into) = ([q, p], [&mut *by_q, by_p]);
-            slopes_of_part::<F, K, true, true>(system, half, varied, unit, at, into, &mut columns);
+            gradient_of_part::<F, K, true, true>(system, half, varied, unit, at, into, &mut columns);
             if F::FACTS.kind.is_conformal {
                 let rate: K = system.friction_rate(&parameters);
                 by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope = *slope + rate * *p);
@@ -128,43 +129,47 @@ fn prepare<F: Elements, K: Constant>(
         known.push((*stage, map.clone()));
         Ok(Act::Map(map))
     };
-    let stages = Stages::of(substeps).0;
+    let stages = StageList::of(substeps).0;
     let stages = stages.iter().map(|stage| Ok(stage.with(act(stage)?))).collect::<Result<_, _>>()?;
-    Ok(Prepared { parameters, stages: Stages(stages) })
+    Ok(PartConstants { parameters, stages: StageList(stages) })
 }
 
-impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> {
+impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<Substeps<E, T, W>> {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
-    type Prepared<K: Constant> = Prepared<K>;
-    type Memory<S: Scalar> = Memory<S, F::Shape>;
-    type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
-    type Carry<S: Scalar> = Plain;
+    type Prepared<K: Constant> = PartConstants<K>;
+    type Memory<S: Scalar> = SplittingMemory<S, F::Shape>;
+    type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
+    type Sum<S: Scalar> = PlainSum;
 
     fn memory(system: &F) -> Self::Memory<f64> {
-        Memory::of_system(system)
+        SplittingMemory::of_system(system)
     }
 
-    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Prepared<K>, ConfigError> {
+    fn prepare<K: Constant>(
+        system: &F,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<PartConstants<K>, ConfigError> {
         check_new(system)?;
         prepare(system, system.degrees(), (lift, h), &W::substeps())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &F,
-        Prepared { parameters, stages }: &Prepared<K>,
-        at: At<'_, S, K, impl Movable<S> + ?Sized>,
+        PartConstants { parameters, stages }: &PartConstants<K>,
+        at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.lists().shared();
-        let flows = FlowsOf::<F, S> { system, parameters: S::varied(parameters), t, h };
-        let take = |stage: &_, rooms: &mut _, memory: &mut Memory<_, _>| {
-            flows.take::<K, C>(stage, rooms, &mut memory.columns)
+        let StepArguments { t, h, q, p, dw } = at.lists().shared();
+        let flows = TwoPartFlows::<F, S> { system, parameters: S::varied(parameters), t, h };
+        let take = |stage: &_, rooms: &mut _, memory: &mut SplittingMemory<_, _>| {
+            flows.take_part::<K, C>(stage, rooms, &mut memory.columns)
         };
-        advance(system, take, &stages.0, [q, p], dw, memory, carry)
+        take_parts(system, take, &stages.0, [q, p], dw, memory, carry)
     }
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral
@@ -177,20 +182,20 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> 
     }
 }
 
-impl<E, T, W: Composes<E, T>> PartFlows<By<E, T, W>> {
+impl<E, T, W: Composes<E, T>> PartFlows<Substeps<E, T, W>> {
     fn follow<F: Elements>(
         system: &F,
         segment: &Segment<F::Vector>,
         dw: &[f64],
-    ) -> Option<Followed<F::Vector>> {
+    ) -> Option<SequenceEnd<F::Vector>> {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
         let prepared = prepare(system, degrees, (&as_they_are, h), &W::substeps()).ok()?;
-        let Stages(stages) = prepared.stages;
+        let StageList(stages) = prepared.stages;
         let action = |stage: &Stage<Act<f64>>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = |half: Half| {
-                let part = Parts::<F>::OF_DRIFT.0 + half as usize;
-                let at = Point::new([q, p], t + stage.node * h, &[], &[]);
+                let part = TwoParts::<F>::OF_DRIFT.0 + half as usize;
+                let at = EvaluationPoint::new([q, p], t + stage.node * h, &[], &[]);
                 stage.weight * h * system.value(part, 1.0, &at)
             };
             match &stage.act {
@@ -203,33 +208,33 @@ impl<E, T, W: Composes<E, T>> PartFlows<By<E, T, W>> {
                 Act::Map(map) => map.action(before, [q, p]),
             }
         };
-        let flows = FlowsOf { system, parameters: &[], t, h };
-        let take = |stage: &_, rooms: &mut _, memory: &mut Memory<_, _>| {
-            flows.take::<f64, Plain>(stage, rooms, &mut memory.columns)
+        let flows = TwoPartFlows { system, parameters: &[], t, h };
+        let take = |stage: &_, rooms: &mut _, memory: &mut SplittingMemory<_, _>| {
+            flows.take_part::<f64, PlainSum>(stage, rooms, &mut memory.columns)
         };
         follow(take, &stages, segment, dw, action)
     }
 }
 
 /// The flows of the parts in a step.
-struct FlowsOf<'a, F, S: Scalar> {
+struct TwoPartFlows<'a, F, S: Scalar> {
     system: &'a F,
     parameters: &'a [S::Constant],
     t: S::Constant,
     h: S::Constant,
 }
 
-impl<F: Elements, S: Scalar> FlowsOf<'_, F, S> {
+impl<F: Elements, S: Scalar> TwoPartFlows<'_, F, S> {
     /// Moves the state by a part of a step. None of these parts fails.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<K: Constant, C: Carry<S>>(
+    fn take_part<K: Constant, C: StateSum<S>>(
         &self,
         stage: &Stage<Act<K>>,
-        rooms: &mut Rooms<S, F::Shape>,
+        rooms: &mut SplittingLists<S, F::Shape>,
         columns: &mut PairColumns,
     ) -> Result<(), StepFailure>
     where
-        S: Over<K>,
+        S: ComputesWith<K>,
     {
         let &Self { system, parameters, t, h } = self;
         let [q, p, lost_q, lost_p, force, velocity] = rooms.0.each_mut().map(AsMut::as_mut);
@@ -238,10 +243,10 @@ impl<F: Elements, S: Scalar> FlowsOf<'_, F, S> {
             Act::Kick(half) => {
                 let into = [&mut *force, &mut []];
                 let (at, times) = ([&*q, &*p], [t, -h]);
-                slopes_of_part::<F, S, true, false>(system, *half, parameters, times, at, into, columns);
+                gradient_of_part::<F, S, true, false>(system, *half, parameters, times, at, into, columns);
                 if F::FACTS.kind.is_forced {
                     velocity.fill(S::from_f64(0.0));
-                    forces(system, &Point::new([&*q, p], t, parameters, &[]), velocity, columns);
+                    forces(system, &EvaluationPoint::new([&*q, p], t, parameters, &[]), velocity, columns);
                     let h = S::of_constant(h);
                     force.iter_mut().zip(&*velocity).for_each(|(kick, f)| *kick = *kick + *f * h);
                 }
@@ -250,7 +255,7 @@ impl<F: Elements, S: Scalar> FlowsOf<'_, F, S> {
             Act::Drift(half) => {
                 let into = [&mut [][..], &mut *velocity];
                 let (at, times) = ([&*q, &*p], [t, h]);
-                slopes_of_part::<F, S, false, true>(system, *half, parameters, times, at, into, columns);
+                gradient_of_part::<F, S, false, true>(system, *half, parameters, times, at, into, columns);
                 add::<S, C>(q, velocity, lost_q);
             }
             Act::Map(map) => {

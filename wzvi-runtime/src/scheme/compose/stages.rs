@@ -1,15 +1,15 @@
 //! The parts of a step that are flows, and the scratch, sums and checks of all kinds of flows.
 
 use super::gradient::Directional;
-use super::lagrangian::Followed;
+use super::lagrangian::SequenceEnd;
 use super::substeps::{Half, Substep};
-use super::windowed;
-use crate::algebra::carry::Carry;
-use crate::algebra::memory::{Request, StepMemory};
-use crate::algebra::scalar::{Constant, Over, Scalar};
+use super::tiled;
+use crate::algebra::memory::{MemoryRequest, StepMemory};
+use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
+use crate::algebra::state_sum::StateSum;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::{PairColumns, are_finite};
@@ -17,7 +17,7 @@ use crate::scheme::system::{Hamiltonian, Segment, check_lengths};
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
-pub(crate) struct Stages<A = Half>(pub(crate) Vec<Stage<A>>);
+pub(crate) struct StageList<A = Half>(pub(crate) Vec<Stage<A>>);
 
 /// A part of a step: the fraction `weight` of the flow of a whole step, at the fraction `node` of its time,
 /// which the flows of the other kind have reached.
@@ -73,7 +73,7 @@ impl<A> Stage<A> {
     }
 }
 
-impl Stages {
+impl StageList {
     /// Merges adjacent parts of the same kind.
     pub(crate) fn of(substeps: &[Substep]) -> Self {
         let mut stages: Vec<Stage> = Vec::new();
@@ -93,17 +93,17 @@ impl Stages {
     }
 
     /// Their flows; the gradient has a factor for the square of the force in each, if there is any.
-    pub(crate) fn flows(self, gradient: &[f64]) -> Stages<Act> {
+    pub(crate) fn flows(self, gradient: &[f64]) -> StageList<Act> {
         let factors = gradient.iter().copied().chain(std::iter::repeat(0.0));
         let flows = self.0.iter().zip(factors).map(|(stage, factor)| {
             let squares = stage.act == Half::Second && factor != 0.0;
             stage.with(if squares { Act::Square(factor) } else { Act::Flow(stage.act) })
         });
-        Stages(flows.collect()).with_ends()
+        StageList(flows.collect()).with_ends()
     }
 }
 
-impl Stages<Act> {
+impl StageList<Act> {
     /// Marks the first and the last flow if they are kicks.
     pub(crate) fn with_ends(mut self) -> Self {
         let mut flows = self.0.iter_mut().filter(|stage| stage.act.half().is_some());
@@ -115,74 +115,74 @@ impl Stages<Act> {
 }
 
 /// Lists of one number per degree of freedom.
-type List<S, H> = <H as Shape>::Of<S>;
+type DegreeList<S, H> = <H as Shape>::List<S>;
 
 /// The last force and where it acted, and scratch for a step.
 #[derive(Debug)]
-pub struct Memory<S: Scalar, H: Shape> {
-    kept: Option<Origin>,
+pub struct SplittingMemory<S: Scalar, H: Shape> {
+    kept: Option<ForceTime>,
     /// `kept` with the derivatives that numbers carry.
     kept_at: [S; 2],
     /// The coordinates at which the force was evaluated; `kept_force` is the increment of the momenta.
-    kept_q: List<S, H>,
-    pub(crate) kept_force: List<S, H>,
-    rooms: Rooms<S, H>,
+    kept_q: DegreeList<S, H>,
+    pub(crate) kept_force: DegreeList<S, H>,
+    rooms: SplittingLists<S, H>,
     /// The noise increments of a part.
     pub(crate) dw: Vec<S>,
     pub(super) columns: PairColumns,
-    /// For derivatives of slopes; empty unless a table asks for them.
+    /// For derivatives of derivatives; empty unless a table asks for them.
     pub(super) directional: Directional<S>,
     /// For large systems of elements.
-    pub(crate) windows: windowed::Memory,
+    pub(crate) tiles: tiled::TiledMemory,
 }
 
 /// Time and weighted step size of a force.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Origin<K = f64> {
+pub(crate) struct ForceTime<K = f64> {
     pub(crate) t: K,
     pub(crate) h: K,
 }
 
-impl<K: Constant> Origin<K> {
+impl<K: Constant> ForceTime<K> {
     /// With the derivatives that numbers carry.
-    fn list<S: Over<K>>(&self) -> [S; 2] {
+    fn list<S: ComputesWith<K>>(&self) -> [S; 2] {
         [self.t, self.h].map(S::constant)
     }
 }
 
 /// Whether numbers carry derivatives.
 const fn carry_derivatives<S: Scalar>() -> bool {
-    !S::IS_BESIDE && size_of::<S>() != size_of::<f64>()
+    !S::LANES_ARE_PATHS && size_of::<S>() != size_of::<f64>()
 }
 
 /// The lists of a step: coordinates, momenta, their rounding errors, and the increments of momenta and of
 /// coordinates.
 #[derive(Debug)]
-pub(crate) struct Rooms<S: Scalar, H: Shape>(pub(crate) [List<S, H>; 6]);
+pub(crate) struct SplittingLists<S: Scalar, H: Shape>(pub(crate) [DegreeList<S, H>; 6]);
 
-impl<S: Scalar, H: Shape> Rooms<S, H> {
+impl<S: Scalar, H: Shape> SplittingLists<S, H> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn of_length(length: usize) -> Self {
         Self(std::array::from_fn(|_| H::list(length, S::from_f64(0.0))))
     }
 }
 
-impl<S: Scalar, H: Shape> Default for Memory<S, H> {
+impl<S: Scalar, H: Shape> Default for SplittingMemory<S, H> {
     fn default() -> Self {
         Self::of_length(0)
     }
 }
 
 /// The copy evaluates its first force itself, and allocates its own scratch.
-impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
+impl<S: Scalar, H: Shape> Clone for SplittingMemory<S, H> {
     fn clone(&self) -> Self {
-        Self { windows: self.windows.alike(), ..Self::default() }
+        Self { tiles: self.tiles.alike(), ..Self::default() }
     }
 }
 
 /// Stores nothing: a force that is evaluated again is the same. What is read belongs to another run, whose
 /// system may have other parameters.
-impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
+impl<S: Scalar, H: Shape> Numbers for SplittingMemory<S, H> {
     fn pass(&mut self, tape: &mut Tape) {
         if tape.is_reading() {
             self.kept = None;
@@ -190,11 +190,11 @@ impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
     }
 }
 
-impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
-    fn tell(&mut self, request: &Request) {
+impl<S: Scalar, H: Shape> StepMemory for SplittingMemory<S, H> {
+    fn tell(&mut self, request: &MemoryRequest) {
         match request {
-            Request::Forget => self.kept = None,
-            Request::Share(threads) => self.windows.share(*threads),
+            MemoryRequest::Forget => self.kept = None,
+            MemoryRequest::Share(threads) => self.tiles.share(*threads),
             _ => {}
         }
     }
@@ -202,7 +202,7 @@ impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
     fn adopt(&mut self, _: Self) {}
 }
 
-impl<S: Scalar, H: Shape> Memory<S, H> {
+impl<S: Scalar, H: Shape> SplittingMemory<S, H> {
     pub(crate) fn of_length(length: usize) -> Self {
         let list = || H::list(length, S::from_f64(0.0));
         Self {
@@ -210,11 +210,11 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
             kept_at: [S::from_f64(0.0); 2],
             kept_q: list(),
             kept_force: list(),
-            rooms: Rooms::of_length(length),
+            rooms: SplittingLists::of_length(length),
             dw: Vec::new(),
             columns: PairColumns::default(),
             directional: Directional::default(),
-            windows: windowed::Memory::default(),
+            tiles: tiled::TiledMemory::default(),
         }
     }
 
@@ -222,7 +222,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
     #[cold]
     fn fit(&mut self, length: usize, noises: usize) {
         if self.length() != length {
-            *self = Self { windows: self.windows.alike(), ..Self::of_length(length) };
+            *self = Self { tiles: self.tiles.alike(), ..Self::of_length(length) };
         }
         self.dw.resize(noises, S::from_f64(0.0));
     }
@@ -234,9 +234,9 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
 
     /// Whether the kept force is that of this kick.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn has_force<K: Constant>(&self, origin: Origin<K>, reads_time: bool, q: &[S]) -> bool
+    pub(crate) fn has_force<K: Constant>(&self, origin: ForceTime<K>, reads_time: bool, q: &[S]) -> bool
     where
-        S: Over<K>,
+        S: ComputesWith<K>,
     {
         let Some(kept) = self.kept else { return false };
         let (t, h) = (origin.t.lane(0), origin.h.lane(0));
@@ -258,11 +258,11 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
 
     /// Keeps a force for the next step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn keep_force<K: Constant>(&mut self, origin: Origin<K>, q: &[S], force: &[S])
+    pub(crate) fn keep_force<K: Constant>(&mut self, origin: ForceTime<K>, q: &[S], force: &[S])
     where
-        S: Over<K>,
+        S: ComputesWith<K>,
     {
-        self.kept = Some(Origin { t: origin.t.lane(0), h: origin.h.lane(0) });
+        self.kept = Some(ForceTime { t: origin.t.lane(0), h: origin.h.lane(0) });
         if const { carry_derivatives::<S>() } {
             self.kept_at = origin.list();
         }
@@ -286,13 +286,17 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
 /// # Errors
 /// [`StepFailure::NonFinite`], the failure of a part, or that of sizes that do not fit.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
+pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, A>(
     system: &impl Hamiltonian,
-    mut take: impl FnMut(&Stage<A>, &mut Rooms<S, H>, &mut Memory<S, H>) -> Result<(), StepFailure>,
+    mut take: impl FnMut(
+        &Stage<A>,
+        &mut SplittingLists<S, H>,
+        &mut SplittingMemory<S, H>,
+    ) -> Result<(), StepFailure>,
     stages: &[Stage<A>],
     [q, p]: [&mut [S]; 2],
     dw: &[S],
-    memory: &mut Memory<S, H>,
+    memory: &mut SplittingMemory<S, H>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.len();
@@ -301,7 +305,7 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
     if !is_ready {
         memory.fit(degrees, dw.len());
     }
-    let mut rooms = H::lend(&mut memory.rooms, Rooms::of_length(0));
+    let mut rooms = H::lend(&mut memory.rooms, SplittingLists::of_length(0));
     let [next_q, next_p, lost_q, lost_p, ..] = &mut rooms.0;
     next_q.as_mut().copy_from_slice(q);
     next_p.as_mut().copy_from_slice(p);
@@ -338,16 +342,20 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
 /// The state to which the parts lead from the start of a segment, and the sum of their discrete Lagrangians.
 /// `action_of` gives that of one part from the states before and after it. `None` if a part fails.
 pub(crate) fn follow<V: Vector, H: Shape, A>(
-    mut take: impl FnMut(&Stage<A>, &mut Rooms<f64, H>, &mut Memory<f64, H>) -> Result<(), StepFailure>,
+    mut take: impl FnMut(
+        &Stage<A>,
+        &mut SplittingLists<f64, H>,
+        &mut SplittingMemory<f64, H>,
+    ) -> Result<(), StepFailure>,
     stages: &[Stage<A>],
     segment: &Segment<V>,
     dw: &[f64],
     action_of: impl Fn(&Stage<A>, [&[f64]; 2], [&[f64]; 2]) -> f64,
-) -> Option<Followed<V>> {
+) -> Option<SequenceEnd<V>> {
     let (q0, p0) = (segment.q0.components(), segment.p.components());
-    let mut rooms = Rooms::<f64, H>::of_length(q0.len());
-    let mut memory = Memory::of_length(q0.len());
-    let state = |rooms: &Rooms<f64, H>| [0, 1].map(|half| rooms.0[half].as_ref().to_vec());
+    let mut rooms = SplittingLists::<f64, H>::of_length(q0.len());
+    let mut memory = SplittingMemory::of_length(q0.len());
+    let state = |rooms: &SplittingLists<f64, H>| [0, 1].map(|half| rooms.0[half].as_ref().to_vec());
     rooms.0[0].as_mut().copy_from_slice(q0);
     rooms.0[1].as_mut().copy_from_slice(p0);
     let mut action = 0.0;
@@ -364,12 +372,12 @@ pub(crate) fn follow<V: Vector, H: Shape, A>(
         vector.components_mut().copy_from_slice(&list);
         vector
     });
-    Some(Followed { q, p, action })
+    Some(SequenceEnd { q, p, action })
 }
 
 /// `into ← into + slopes`
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn add<S: Scalar, C: Carry<S>>(into: &mut [S], slopes: &[S], lost: &mut [S]) {
+pub(crate) fn add<S: Scalar, C: StateSum<S>>(into: &mut [S], slopes: &[S], lost: &mut [S]) {
     if C::CARRIES {
         for ((into, &slope), lost) in into.iter_mut().zip(slopes).zip(lost) {
             (*into, *lost) = C::add(*into, slope, *lost);

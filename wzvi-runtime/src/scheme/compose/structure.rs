@@ -3,10 +3,10 @@
 use std::marker::PhantomData;
 
 use super::flows::KickDrift;
-use super::pair::Pair;
+use super::pair::PairComposition;
 use super::parts::PartFlows;
-use super::substeps::{Half, Once, Substep};
-use super::text::{DRIFT_KICK, Equations};
+use super::substeps::{Half, SingleStep, Substep};
+use super::text::{DRIFT_KICK, EquationsText};
 use super::{Composed, Composes, Symmetric, Verlet};
 use crate::scheme::elements::Elements;
 use crate::scheme::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
@@ -37,11 +37,11 @@ where
 {
     type Scheme = W::Steps;
     type Prepared = <W::Steps as Scheme<H>>::Prepared<f64>;
-    const EQUATIONS: &'static str = Equations::<H, E, W>::ALL;
+    const EQUATIONS: &'static str = EquationsText::<H, E, W>::ALL;
 }
 
 /// The scheme that takes single steps of `E`.
-pub type WholeOf<H, E> = <Once as Composes<E, <H as Elements>::Structure>>::Steps;
+pub type WholeOf<H, E> = <SingleStep as Composes<E, <H as Elements>::Structure>>::Steps;
 
 /// Structures with a kinetic energy that is a quadratic form with constant coefficients.
 pub trait QuadraticKinetic {}
@@ -88,7 +88,7 @@ pub(super) fn in_pairs(sequence: &[Substep]) -> Vec<Substep> {
 impl<K> Symmetric<K> for Midpoint {
     type First = Self;
     type Second = Self;
-    type Steps<W> = Pair<Self, Self, W>;
+    type Steps<W> = PairComposition<Self, Self, W>;
 
     fn step(weight: f64, into: &mut Vec<Substep>) {
         into.push((Half::First, weight));
@@ -98,7 +98,7 @@ impl<K> Symmetric<K> for Midpoint {
 impl<K, const S: usize> Symmetric<K> for Gauss<S> {
     type First = Self;
     type Second = Self;
-    type Steps<W> = Pair<Self, Self, W>;
+    type Steps<W> = PairComposition<Self, Self, W>;
 
     fn step(weight: f64, into: &mut Vec<Substep>) {
         into.push((Half::First, weight));
@@ -108,7 +108,7 @@ impl<K, const S: usize> Symmetric<K> for Gauss<S> {
 impl Symmetric for Verlet {
     type First = Uncorrected<DeltaPlus>;
     type Second = Uncorrected<DeltaMinus>;
-    type Steps<W> = Pair<Uncorrected<DeltaPlus>, Uncorrected<DeltaMinus>, W>;
+    type Steps<W> = PairComposition<Uncorrected<DeltaPlus>, Uncorrected<DeltaMinus>, W>;
 
     fn step(weight: f64, into: &mut Vec<Substep>) {
         into.extend([(Half::First, 0.5 * weight), (Half::Second, 0.5 * weight)]);

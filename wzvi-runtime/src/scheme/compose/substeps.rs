@@ -20,14 +20,14 @@ pub type Substep = (Half, f64);
 /// The parts of a step that composes steps of `E` by `W`, for a system of the structure `K`:
 /// [`Composes`](super::Composes) lists them.
 #[derive(Clone, Copy, Debug)]
-pub struct By<E, K, W>(PhantomData<(E, K, W)>);
+pub struct Substeps<E, K, W>(PhantomData<(E, K, W)>);
 
 /// One step, as a composition.
 #[derive(Clone, Copy, Debug)]
-pub enum Once {}
+pub enum SingleStep {}
 
 #[diagnostic::do_not_recommend]
-impl Weights for Once {
+impl Weights for SingleStep {
     const ORDER: u32 = 2;
     const GAMMA: &'static [f64] = &[1.0];
 }

@@ -39,19 +39,19 @@ const LISTED: usize = 100;
 const ROOM: usize = 1 << 16;
 
 /// `EQUATIONS` of steps of `E` with the weights `W`, for the system `H`.
-pub(super) struct Equations<H, E, W>(PhantomData<(H, E, W)>);
+pub(super) struct EquationsText<H, E, W>(PhantomData<(H, E, W)>);
 
-impl<H, E, W> Equations<H, E, W>
+impl<H, E, W> EquationsText<H, E, W>
 where
     H: Elements + Discretized<E>,
     W: Composes<E, H::Structure>,
 {
     /// The order of the weights, or that of the composed steps where it is higher.
     const ORDER: u32 = if W::ORDER > H::PLAN.order { W::ORDER } else { H::PLAN.order };
-    const TEXT: Text<ROOM> = Text::of(&W::LISTING, Self::ORDER, H::EQUATIONS);
+    const TEXT: BoundedText<ROOM> = BoundedText::of(&W::LISTING, Self::ORDER, H::EQUATIONS);
     /// The text.
     pub(super) const ALL: &'static str = {
-        let text: &'static Text<ROOM> = &Self::TEXT;
+        let text: &'static BoundedText<ROOM> = &Self::TEXT;
         text.as_str()
     };
 }
@@ -75,12 +75,12 @@ const fn begins(bytes: &[u8], at: usize, text: &str) -> bool {
 
 /// A text of at most `N` bytes.
 #[derive(Clone, Copy, Debug)]
-struct Text<const N: usize> {
+struct BoundedText<const N: usize> {
     bytes: [u8; N],
     length: usize,
 }
 
-impl<const N: usize> Text<N> {
+impl<const N: usize> BoundedText<N> {
     /// The text of a composition of this order of steps with the text `base`.
     const fn of(listing: &Listing, order: u32, base: &str) -> Self {
         let mut text = Self { bytes: [0; N], length: 0 };
@@ -243,7 +243,7 @@ mod tests {
         for number in
             [0.0, 1.0, 0.5, 1.3512071919596575, -1.7024143839193153, 12.25, -0.016404589403617633, 1e-300]
         {
-            let mut text = Text::<40> { bytes: [0; 40], length: 0 };
+            let mut text = BoundedText::<40> { bytes: [0; 40], length: 0 };
             text.push_number(number);
             let read: f64 = text.as_str().parse().unwrap_or(f64::NAN);
             // Half of the last decimal.
@@ -253,7 +253,7 @@ mod tests {
                 text.as_str()
             );
         }
-        let mut text = Text::<40> { bytes: [0; 40], length: 0 };
+        let mut text = BoundedText::<40> { bytes: [0; 40], length: 0 };
         text.push_number(-0.25);
         assert_eq!(text.as_str(), "-0.25");
     }
@@ -262,9 +262,9 @@ mod tests {
     fn a_text_without_room_refers_to_that_of_the_scheme() {
         let listing = Listing::Steps(&[1.0]);
         let long = "a long text\n".repeat(20);
-        let whole = Text::<400>::of(&listing, 2, &long);
+        let whole = BoundedText::<400>::of(&listing, 2, &long);
         assert!(whole.as_str().ends_with(&long));
-        let short = Text::<200>::of(&listing, 2, &long);
+        let short = BoundedText::<200>::of(&listing, 2, &long);
         assert!(short.as_str().ends_with("  1 h\nof\n\nits own EQUATIONS\n"), "{}", short.as_str());
     }
 
@@ -274,7 +274,7 @@ mod tests {
         let base = "Verlet\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²) between the kinks of H0\n  \
                     modified energy, kept within O(h⁴): H0 + h² (...)\n    H_pp(H_q,H_q) = p²\n  first integral p\n";
         for (order, power) in [(4, "h^4"), (8, "h^8"), (10, "h^10")] {
-            let text = Text::<600>::of(&Listing::Steps(&[1.0]), order, base);
+            let text = BoundedText::<600>::of(&Listing::Steps(&[1.0]), order, base);
             let facts = format!(
                 "Facts\n  H0 is a first integral: kept by the step nearly, within O({power}) between the kinks of H0\n  first integral p\n"
             );

@@ -12,21 +12,21 @@
 //! the nodes at its ends. For `n = 2` it is Hermite's cubic, with an error of order 4; with `n` points and
 //! rates evaluated on a polynomial of order `n` it has order `n + 1`.
 
-use super::slopes::{Slopes, Weights, legendre, weights};
+use super::slopes::{NodeWeights, RateCoefficients, legendre, weights};
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::scheme::system::{Gradient, Hamiltonian};
 
 /// The Lobatto points of a step, and the projection of the rates there to coefficients.
 #[derive(Clone, Debug)]
-struct Points {
+struct LobattoNodes {
     x: Vec<f64>,
     /// The weights at these points of the polynomial of the level before.
-    weights: Vec<Weights>,
+    weights: Vec<NodeWeights>,
     /// By `k` and point.
     projection: Vec<Vec<f64>>,
 }
 
-impl Points {
+impl LobattoNodes {
     fn new(n: usize) -> Self {
         let top = (n - 1) as f64;
         let mut list = vec![0.0; n];
@@ -66,7 +66,7 @@ fn lobatto(n: usize, i: usize, list: &mut [f64]) -> f64 {
 #[derive(Clone, Debug)]
 pub(super) struct Hermite<V> {
     /// The points of each level: both ends, then 4, 5, ... points up to the order.
-    levels: Vec<Points>,
+    levels: Vec<LobattoNodes>,
     /// Rates at the points.
     rates: Vec<Vec<f64>>,
     /// One gradient.
@@ -90,15 +90,15 @@ impl<V: Vector> Hermite<V> {
         let levels = 1 + (order as usize).saturating_sub(4);
         if self.levels.len() != levels {
             self.levels =
-                (0..levels).map(|level| Points::new(if level == 0 { 2 } else { level + 3 })).collect();
+                (0..levels).map(|level| LobattoNodes::new(if level == 0 { 2 } else { level + 3 })).collect();
         }
         let most = self.levels.last().map_or(0, |points| points.x.len());
         self.rates.resize_with(most, Vec::new);
         self.rates.iter_mut().for_each(|rates| rates.resize(2 * degrees, 0.0));
     }
 
-    /// The slopes of a step. If it `follows` the last one, its initial rate is the final rate of the last
-    /// one.
+    /// The derivatives of a step. If it `follows` the last one, its initial rate is the final rate of the
+    /// last one.
     #[expect(clippy::too_many_arguments, reason = "each is one thing that a step is of")]
     pub(super) fn fill<H: Hamiltonian<Vector = V>>(
         &mut self,
@@ -108,7 +108,7 @@ impl<V: Vector> Hermite<V> {
         dw: &[f64],
         follows: bool,
         order: u32,
-        slopes: &mut Slopes,
+        slopes: &mut RateCoefficients,
     ) {
         let degrees = ends[0].q.components().len();
         self.fit(order, degrees);
@@ -137,7 +137,12 @@ impl<V: Vector> Hermite<V> {
 }
 
 /// The coefficients from the rates at the points, in order, with the rate at the end last in `rates`.
-fn project<V: Vector>(points: &Points, rates: &[Vec<f64>], ends: &[State<V>; 2], slopes: &mut Slopes) {
+fn project<V: Vector>(
+    points: &LobattoNodes,
+    rates: &[Vec<f64>],
+    ends: &[State<V>; 2],
+    slopes: &mut RateCoefficients,
+) {
     let (n, degrees) = (points.x.len(), ends[0].q.components().len());
     slopes.resize(n.max(3), degrees);
     let [start, end] = ends.each_ref().map(|state| state.q.components().iter().chain(state.p.components()));
@@ -224,7 +229,7 @@ mod tests {
     /// The largest error inside a step between exact nodes.
     fn error(order: u32, h: f64) -> f64 {
         let ends = [exact(0.0), exact(h)];
-        let (mut hermite, mut slopes) = (Hermite::of(&ends[0]), Slopes::default());
+        let (mut hermite, mut slopes) = (Hermite::of(&ends[0]), RateCoefficients::default());
         hermite.fill(&Whirl, &ends, h, &[], false, order, &mut slopes);
         let at = |i: u32| {
             let theta = f64::from(i) / 64.0;
@@ -254,7 +259,7 @@ mod tests {
     fn neighbouring_steps_join_smoothly() {
         let ends = [exact(0.0), exact(0.3)];
         for order in 4..=9 {
-            let (mut hermite, mut slopes) = (Hermite::of(&ends[0]), Slopes::default());
+            let (mut hermite, mut slopes) = (Hermite::of(&ends[0]), RateCoefficients::default());
             hermite.fill(&Whirl, &ends, 0.3, &[], false, order, &mut slopes);
             for (end, state) in ends.iter().enumerate() {
                 let [q, p] = [state.p[0], -state.q[0]].map(|x| x * RADIUS * RADIUS * 0.3);

@@ -7,22 +7,22 @@
 const MOST_ROWS: usize = 17;
 
 /// The factors of the coefficients of a component in its change from a node.
-pub(crate) type Weights = [f64; MOST_ROWS];
+pub(crate) type NodeWeights = [f64; MOST_ROWS];
 
 /// The coefficients `a_k` of `du/dθ` for every coordinate and momentum.
 #[derive(Clone, Debug, Default)]
-pub struct Slopes {
+pub struct RateCoefficients {
     degrees: usize,
     rows: usize,
     /// The coefficients of the coordinates, then of the momenta; those of one component are contiguous.
     coefficients: Vec<f64>,
     /// Three scratch lists of one number per degree of freedom.
     room: [Vec<f64>; 3],
-    /// The projection of slopes at the nodes of the scheme to coefficients.
+    /// The projection of derivatives at the nodes of the scheme to coefficients.
     projection: Vec<f64>,
 }
 
-impl Slopes {
+impl RateCoefficients {
     /// Resizes to `rows` coefficients, at most 17, and this number of degrees of freedom. Allocates only to
     /// grow.
     pub(crate) fn resize(&mut self, rows: usize, degrees: usize) {
@@ -54,7 +54,7 @@ impl Slopes {
     /// Adds `u(θ) - u(0)` to coordinates and momenta if `weights` are from the start of the step, or
     /// `u(θ) - u(1)` if they are from its end.
     #[inline]
-    pub(crate) fn add(&self, weights: &Weights, [q, p]: [&mut [f64]; 2]) {
+    pub(crate) fn add(&self, weights: &NodeWeights, [q, p]: [&mut [f64]; 2]) {
         let slopes = self.coefficients.chunks_exact(self.rows.max(1));
         for (x, slopes) in q.iter_mut().chain(p).zip(slopes) {
             *x += slopes.iter().zip(weights).map(|(slope, weight)| slope * weight).sum::<f64>();
@@ -85,7 +85,7 @@ impl Slopes {
 
 /// `part`, then `∫_0^θ P_k(2x - 1) dx` for `1 ≤ k < rows`: `part` is `θ` from the start of a step, and
 /// `θ - 1` from its end.
-pub(crate) fn weights(theta: f64, part: f64, rows: usize) -> Weights {
+pub(crate) fn weights(theta: f64, part: f64, rows: usize) -> NodeWeights {
     let y = 2.0 * theta - 1.0;
     let mut weights = [0.0; MOST_ROWS];
     weights[0] = part;

@@ -1,10 +1,10 @@
 //! Friction of any sum of elements, for thermostats.
 
 use super::step::nothing;
-use super::{By, Elements, PairColumns, Point, Slopes, slopes};
+use super::{Elements, EvaluationPoint, HessianBlock, PairColumns, Partials, slopes};
 use crate::algebra::scalar::Scalar;
 
-/// The friction rates, from the slopes of part number `part`, a covector.
+/// The friction rates, from the derivatives of part number `part`, a covector.
 pub(crate) fn rates<H: Elements, S: Scalar>(
     system: (&H, &[S::Constant]),
     part: usize,
@@ -16,10 +16,10 @@ pub(crate) fn rates<H: Elements, S: Scalar>(
         return into.fill(S::from_f64(f64::NAN));
     }
     let (system, parameters) = system;
-    let at = Point::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
+    let at = EvaluationPoint::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
     into.fill(S::from_f64(0.0));
-    slopes(system, (part, 1.0), &at, Slopes::BY_COORDINATES, into, &mut [], columns);
-    // A covector `f` has the slopes `-f`.
+    slopes(system, (part, 1.0), &at, Partials::BY_COORDINATES, into, &mut [], columns);
+    // A covector `f` has the derivatives `-f`.
     into.iter_mut().for_each(|entry| *entry = -*entry);
 }
 
@@ -32,10 +32,10 @@ pub(crate) fn covector<H: Elements, S: Scalar>(
 ) {
     // Nothing reads coordinates or momenta.
     let zeros = vec![nothing(); into.len()];
-    let at = Point::new([&*zeros, &*zeros], t, parameters, &[]);
+    let at = EvaluationPoint::new([&*zeros, &*zeros], t, parameters, &[]);
     into.fill(S::from_f64(0.0));
-    slopes(system, (part, 1.0), &at, Slopes::BY_COORDINATES, into, &mut [], &mut PairColumns::default());
-    // A covector `f` has the slopes `-f`.
+    slopes(system, (part, 1.0), &at, Partials::BY_COORDINATES, into, &mut [], &mut PairColumns::default());
+    // A covector `f` has the derivatives `-f`.
     into.iter_mut().for_each(|entry| *entry = -*entry);
 }
 
@@ -52,12 +52,12 @@ pub(crate) fn damping<H: Elements, S: Scalar>(
     }
     into.fill(S::from_f64(0.0));
     // The momenta do not matter.
-    let at = Point::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
+    let at = EvaluationPoint::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
     let mut add = |by, [i, j]: [usize; 2], _: bool, value| {
         // A covector `f` has the derivatives of `-f`.
-        if by == By::QP {
+        if by == HessianBlock::QP {
             into[i * degrees + j] = into[i * degrees + j] - value;
         }
     };
-    system.curvature(part, 1.0, &at, Slopes::BY_COORDINATES, &mut add);
+    system.hessian(part, 1.0, &at, Partials::BY_COORDINATES, &mut add);
 }

@@ -1,10 +1,10 @@
 //! The equations of a step in the form that [`damped`] takes, for steps where the fast iteration fails.
 
-use super::linear::Linear;
-use super::memory::{Care, Lists, Scratch, Solver};
+use super::linear::LinearSolver;
+use super::memory::{CarefulScratch, IterationMemory, LoopScratch, StepLists};
 use super::rounding::Rounding;
-use super::step::Step;
-use super::{Elements, Memory};
+use super::step::LoopStep;
+use super::{Elements, LoopMemory};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Effort, Problem, astray, damped};
 use crate::error::StepFailure;
@@ -13,21 +13,27 @@ use crate::error::StepFailure;
 /// Newton's method.
 const TOLERANCE: f64 = 1e-10;
 
-impl<H: Elements, S: Scalar> Step<'_, H, S> {
+impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
     /// Solves for the unknowns, if there are any, by [`damped`]; leaves `u` and `P`.
     #[inline(never)]
-    pub(super) fn careful(self, memory: &mut Memory<S>) -> Result<Effort, StepFailure> {
+    pub(super) fn careful(self, memory: &mut LoopMemory<S>) -> Result<Effort, StepFailure> {
         memory.solver.kept.lose();
         let known = memory.known;
         let mut scratch = memory.scratch(self.scheme, self.degrees());
         scratch.guess(known);
-        let Scratch { mut lists, solver, .. } = scratch;
-        let Solver { diagonal, linear, rounding, care: Care { start, are_settled, room }, .. } = solver;
+        let LoopScratch { mut lists, solver, .. } = scratch;
+        let IterationMemory {
+            diagonal,
+            linear,
+            rounding,
+            care: CarefulScratch { start, are_settled, room },
+            ..
+        } = solver;
         let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
         start.clear();
         start.extend_from_slice(lists.x);
         let lists = &mut lists;
-        let mut sweep = Sweep { step: self, lists, diagonal, linear, rounding, are_settled };
+        let mut sweep = CarefulEquations { step: self, lists, diagonal, linear, rounding, are_settled };
         let effort = damped(&mut sweep, room, start)?;
         lists.x.copy_from_slice(room.solution());
         self.refresh(lists);
@@ -36,16 +42,16 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 }
 
 /// The equations of a step with their scratch.
-struct Sweep<'a, 's, H, S: Scalar> {
-    step: Step<'s, H, S>,
-    lists: &'a mut Lists<'s, S>,
+struct CarefulEquations<'a, 's, H, S: Scalar> {
+    step: LoopStep<'s, H, S>,
+    lists: &'a mut StepLists<'s, S>,
     diagonal: &'a mut [S],
-    linear: &'a mut Linear<S>,
+    linear: &'a mut LinearSolver<S>,
     rounding: &'a mut Option<Box<Rounding>>,
     are_settled: &'a mut Vec<bool>,
 }
 
-impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
+impl<H: Elements, S: Scalar> Problem for CarefulEquations<'_, '_, H, S> {
     type Number = S;
     type Vector = Vec<S>;
 

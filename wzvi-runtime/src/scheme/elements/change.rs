@@ -18,10 +18,10 @@
 
 use std::ops::Range;
 
-use super::memory::Lists;
-use super::passes::{Block, load, poisoned, widened};
-use super::step::Step;
-use super::{Elements, Stage, Unknowns};
+use super::memory::StepLists;
+use super::passes::{LoopBody, load, poisoned, widened};
+use super::step::LoopStep;
+use super::{Elements, QuadraturePoint, Unknowns};
 use crate::algebra::scalar::{Mask, Scalar};
 
 /// The largest negligible change, as a fraction of a rounding. A fixed point contracts at least by one half,
@@ -42,12 +42,12 @@ pub(super) enum Change {
 /// The largest excess of the changes over [`UNSEEN`] of a rounding, in independent lanes. A maximum is one
 /// instruction, where a choice by comparison may take several for each lane.
 #[derive(Clone, Copy)]
-pub(super) struct Seen<const L: usize> {
+pub(super) struct LargestChange<const L: usize> {
     above: [f64; L],
     poison: [u64; L],
 }
 
-impl<const L: usize> Seen<L> {
+impl<const L: usize> LargestChange<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn new() -> Self {
         Self { above: [0.0; L], poison: [0; L] }
@@ -55,7 +55,7 @@ impl<const L: usize> Seen<L> {
 
     /// Changes of numbers whose rounding is `ε rounded`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<const N: usize>(&mut self, change: [f64; N], rounded: [f64; N]) {
+    fn include<const N: usize>(&mut self, change: [f64; N], rounded: [f64; N]) {
         let mut excess = change;
         for i in 0..N {
             excess[i] = beyond(change[i], rounded[i]);
@@ -82,11 +82,11 @@ impl<const L: usize> Seen<L> {
     }
 }
 
-impl<H: Elements, S: Scalar> Step<'_, H, S> {
+impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
     /// Whether the last fixed-point correction changed no more than [`UNSEEN`] of a rounding, after
-    /// [`Step::refresh`]: of each path side by side.
+    /// [`LoopStep::refresh`]: of each path side by side.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn changes_nothing(&self, lists: &Lists<'_, S>) -> S::Mask {
+    pub(super) fn changes_nothing(&self, lists: &StepLists<'_, S>) -> S::Mask {
         // The first one mostly decides.
         let first = self.changes_nothing_at(lists, 0..1);
         if first.any() { first & self.changes_nothing_at(lists, 1..self.degrees()) } else { first }
@@ -98,11 +98,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn resolves<R: Scalar>(
         self,
-        lists: &Lists<'_, S>,
+        lists: &StepLists<'_, S>,
         ratio: R,
         size: impl Fn(S) -> R + Copy,
     ) -> R::Mask {
-        let Lists { x, correction, previous, .. } = lists;
+        let StepLists { x, correction, previous, .. } = lists;
         let mut all = R::Mask::from_bool(true);
         // Two loops, since one with a choice in it is not vectorised.
         if self.scheme.unknowns == Unknowns::Both {
@@ -121,22 +121,24 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn changes_nothing_at(&self, lists: &Lists<'_, S>, places: Range<usize>) -> S::Mask {
-        let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
+    fn changes_nothing_at(&self, lists: &StepLists<'_, S>, places: Range<usize>) -> S::Mask {
+        let StepLists { x, correction, u, by_p: before, momentum, .. } = lists;
         let (q, momentum) = (&self.q[places.clone()], &momentum[places.clone()]);
         let mut all = S::Mask::from_bool(true);
         if self.scheme.unknowns == Unknowns::Both {
             let (x, corrections) = (x.as_chunks().0, correction.as_chunks().0);
             let unknowns = x[places.clone()].iter().zip(&corrections[places]);
             for ((&[u, v], &[change_u, change_v]), (&q, momentum)) in unknowns.zip(q.iter().zip(momentum)) {
-                for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
+                for &QuadraturePoint { point, .. } in
+                    self.scheme.stages.iter().filter(|stage| stage.point != 0.0)
+                {
                     all = all & unseen(change_u * point, moved(q, u, point, S::abs));
                 }
                 all = all & unseen(change_v, momentum.abs() + v.abs());
             }
             return all;
         }
-        for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
+        for &QuadraturePoint { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
             for ((&q, &u), &before) in q.iter().zip(&u[places.clone()]).zip(&before[places.clone()]) {
                 all = all & unseen((u - before) * point, moved(q, u, point, S::abs));
             }
@@ -152,7 +154,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 }
 
-/// [`Step::resolves`] of one unknown: from the state, the unknown, its correction and the one before.
+/// [`LoopStep::resolves`] of one unknown: from the state, the unknown, its correction and the one before.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn is_small<S: Scalar, R: Scalar>(
     [state, x, correction, previous]: [S; 4],
@@ -186,17 +188,17 @@ fn moved<S: Scalar, R: Scalar>(q: S, u: S, point: f64, size: impl Fn(S) -> R) ->
 }
 
 /// Coordinates, and increments after and before the correction.
-pub(super) struct Moved<'a, S, const L: usize> {
+pub(super) struct ComparedCoordinates<'a, S, const L: usize> {
     pub(super) q: &'a [S],
     pub(super) u: &'a [S],
     pub(super) before: &'a [S],
     pub(super) point: f64,
-    pub(super) seen: &'a mut Seen<L>,
+    pub(super) seen: &'a mut LargestChange<L>,
 }
 
-impl<S: Scalar, const L: usize> Block for Moved<'_, S, L> {
+impl<S: Scalar, const L: usize> LoopBody for ComparedCoordinates<'_, S, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<const N: usize>(&mut self, first: usize) {
+    fn apply<const N: usize>(&mut self, first: usize) {
         let (q, u) = (load::<_, N>(self.q, first), load::<_, N>(self.u, first));
         let before = load::<_, N>(self.before, first);
         let (mut change, mut rounded) = ([0.0; N], [0.0; N]);
@@ -206,7 +208,7 @@ impl<S: Scalar, const L: usize> Block for Moved<'_, S, L> {
         for i in 0..N {
             rounded[i] = moved(q[i], u[i], self.point, S::magnitude);
         }
-        self.seen.take(change, rounded);
+        self.seen.include(change, rounded);
     }
 }
 
@@ -215,8 +217,10 @@ mod tests {
     use crate::scheme::plan::Facts;
     use nalgebra::DVector;
 
-    use super::super::memory::Memory;
-    use super::super::{Alone, By, Given, MomentumUpdate, Point, Quadrature, Slopes, Sums};
+    use super::super::memory::LoopMemory;
+    use super::super::{
+        ElementInput, EvaluationPoint, FullRange, HessianBlock, MomentumUpdate, Partials, Quadrature, Sums,
+    };
     use super::*;
     use crate::algebra::scalar::Number;
     use crate::scheme::compose::General;
@@ -233,20 +237,20 @@ mod tests {
         type Shape = Dynamic;
         type Structure = General;
         type Vector = DVector<f64>;
-        type Exact = Alone;
-        type Usual = Alone;
+        type Exact = FullRange;
+        type CommonRange = FullRange;
         fn degrees(&self) -> usize {
             self.mass.len()
         }
-        fn value<S: Scalar>(&self, _: usize, _: f64, _: &Point<'_, S>) -> S {
+        fn value<S: Scalar>(&self, _: usize, _: f64, _: &EvaluationPoint<'_, S>) -> S {
             S::from_f64(f64::NAN)
         }
-        fn slopes<S: Scalar, T: Number<S>>(
+        fn gradient<S: Scalar, T: Number<S>>(
             &self,
             _: usize,
             weight: f64,
-            at: &Point<'_, S, impl Given<S> + ?Sized>,
-            wanted: Slopes,
+            at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
+            wanted: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
@@ -261,21 +265,21 @@ mod tests {
                 by_q.add(i - 1, -pull);
             }
         }
-        fn curvature<S: Scalar>(
+        fn hessian<S: Scalar>(
             &self,
             _: usize,
             _: f64,
-            _: &Point<'_, S>,
-            _: Slopes,
-            into: &mut impl FnMut(By, [usize; 2], bool, S),
+            _: &EvaluationPoint<'_, S>,
+            _: Partials,
+            into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
         ) {
             for i in 1..self.mass.len() {
-                into(By::QQ, [i, i - 1], false, S::from_f64(f64::NAN));
+                into(HessianBlock::QQ, [i, i - 1], false, S::from_f64(f64::NAN));
             }
         }
     }
 
-    const STAGE: Stage = Stage { point: 0.5, start: 0.5, end: 0.5, parts: &[(0, 1.0)] };
+    const STAGE: QuadraturePoint = QuadraturePoint { point: 0.5, start: 0.5, end: 0.5, parts: &[(0, 1.0)] };
     const MIDPOINT: Quadrature = Quadrature {
         stages: &[STAGE],
         update: MomentumUpdate::Multiple(2.0),
@@ -292,8 +296,8 @@ mod tests {
     #[test]
     fn a_quarter_of_a_rounding_is_not_seen_and_what_is_not_finite_is_not_known() {
         let after = |changes: [f64; 3]| {
-            let mut seen = Seen::<4>::new();
-            changes.into_iter().for_each(|change| seen.take([change], [1.0]));
+            let mut seen = LargestChange::<4>::new();
+            changes.into_iter().for_each(|change| seen.include([change], [1.0]));
             seen.finish()
         };
         let bound = UNSEEN * f64::EPSILON;
@@ -325,7 +329,7 @@ mod tests {
                 let (q, p) = (scaled(list(0.0, 1.0)), scaled(list(0.0, 2.0)));
                 // Forces grow with the cube of the largest stretch, which is a thousand at most.
                 let h = 1e-4;
-                let step = Step {
+                let step = LoopStep {
                     system: &system,
                     scheme,
                     t: 0.0,
@@ -336,7 +340,7 @@ mod tests {
                     dw: &[],
                     increment: None,
                 };
-                let mut memory = Memory::new(&system, scheme);
+                let mut memory = LoopMemory::new(&system, scheme);
                 let mut scratch = memory.scratch(scheme, n);
                 step.start(&mut scratch, 0);
                 let mut sweeps = 0;

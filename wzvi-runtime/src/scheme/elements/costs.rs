@@ -6,7 +6,7 @@
 //! equations. New factors take three sweeps for the second derivatives, and the elimination. In a step of
 //! Newton's method, four iterations follow on factors that two steps share.
 
-use super::linear::Linear;
+use super::linear::LinearSolver;
 use crate::algebra::scalar::Scalar;
 
 /// Operations of a sweep per unknown, for the state.
@@ -45,16 +45,16 @@ pub(super) struct Costs {
 
 impl Costs {
     /// The costs for a pattern with so many entries off the diagonal; of an explicit step there are none.
-    pub(super) fn of<S: Scalar>(entries: usize, unknowns: usize, linear: Option<&Linear<S>>) -> Self {
+    pub(super) fn of<S: Scalar>(entries: usize, unknowns: usize, linear: Option<&LinearSolver<S>>) -> Self {
         let Some(linear) = linear else { return Self::default() };
         let sweep = (PER_UNKNOWN * unknowns as f64 + entries as f64).max(1.0);
         let (newton, factors) = match linear {
-            Linear::Band(band) => {
+            LinearSolver::Band(band) => {
                 let iteration = sweep + band.solution_cost();
                 let factors = SECOND_DERIVATIVES * sweep + band.elimination_cost();
                 ((ITERATIONS * iteration + factors / SHARED) / sweep, factors / iteration)
             }
-            Linear::Krylov(_) => (BY_KRYLOV, 0.0),
+            LinearSolver::Krylov(_) => (BY_KRYLOV, 0.0),
         };
         let slowest = [SLOWEST, 0.4, 0.3].into_iter().find(|&ratio| takes(FIRST, ratio) <= newton);
         Self { newton, factors, slowest: slowest.unwrap_or(FAST) }
@@ -104,8 +104,8 @@ mod tests {
         let all = |visit: &mut dyn FnMut(usize, usize)| {
             (0..100).for_each(|i| (0..100).filter(|&j| j != i).for_each(|j| visit(i, j)));
         };
-        let chain = Costs::of(198, 100, Some(&Linear::<f64>::new(&chain, 100)));
-        let all = Costs::of(9900, 100, Some(&Linear::<f64>::new(&all, 100)));
+        let chain = Costs::of(198, 100, Some(&LinearSolver::<f64>::new(&chain, 100)));
+        let all = Costs::of(9900, 100, Some(&LinearSolver::<f64>::new(&all, 100)));
         assert!((10.0..20.0).contains(&chain.newton), "{chain:?}");
         assert!(all.newton > 2.0 * chain.newton && all.slowest > chain.slowest, "{all:?}");
     }

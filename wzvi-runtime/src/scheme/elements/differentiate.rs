@@ -5,10 +5,10 @@
 //! all of them. Krylov's method solves for one after the other, with the factors of its preconditioner, so
 //! that a large lattice needs no matrix of derivatives.
 
-use super::linear::Linear;
-use super::memory::{Scratch, Solver};
-use super::step::Step;
-use super::{Elements, Memory};
+use super::linear::LinearSolver;
+use super::memory::{IterationMemory, LoopScratch};
+use super::step::LoopStep;
+use super::{Elements, LoopMemory};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Effort, astray};
 use crate::error::StepFailure;
@@ -20,8 +20,8 @@ const PASSES: u32 = 2;
 
 /// The values of a step, solved for alone.
 #[derive(Default)]
-pub(super) struct Values<S> {
-    pub(super) memory: Memory<f64>,
+pub(super) struct ScalarSolution<S> {
+    pub(super) memory: LoopMemory<f64>,
     q: Vec<f64>,
     p: Vec<f64>,
     dw: Vec<f64>,
@@ -31,7 +31,7 @@ pub(super) struct Values<S> {
     pub(super) are_solved: bool,
 }
 
-impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
+impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
     /// Solves for the unknowns with their derivatives; leaves `u` and `P`.
     ///
     /// # Errors
@@ -40,7 +40,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     #[inline(never)]
     pub(super) fn differentiate<const CAREFUL: bool>(
         self,
-        memory: &mut Memory<S>,
+        memory: &mut LoopMemory<S>,
     ) -> Result<Effort, StepFailure> {
         let mut values = memory.values.take().unwrap_or_default();
         let effort = self.differentiate_at::<CAREFUL>(&mut values, memory);
@@ -50,18 +50,18 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 
     fn differentiate_at<const CAREFUL: bool>(
         self,
-        values: &mut Values<S>,
-        memory: &mut Memory<S>,
+        values: &mut ScalarSolution<S>,
+        memory: &mut LoopMemory<S>,
     ) -> Result<Effort, StepFailure> {
         let (system, scheme, degrees) = (self.system, self.scheme, self.degrees());
-        let Values { memory: own, q, p, dw, solved, are_solved } = values;
+        let ScalarSolution { memory: own, q, p, dw, solved, are_solved } = values;
         let are_solved = std::mem::take(are_solved);
         for (own, all) in [(&mut *q, self.q), (&mut *p, self.p), (&mut *dw, self.dw)] {
             own.clear();
             own.extend(all.iter().map(|number| number.lane(0)));
         }
         let [t, h] = [self.t, self.h].map(|constant| constant.lane(0));
-        let step = Step::<H, f64> { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
+        let step = LoopStep::<H, f64> { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
         let effort = if are_solved {
             Effort::fast(0)
         } else {
@@ -70,7 +70,11 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             }
             step.solve_values::<CAREFUL>(own)?
         };
-        let Memory { work, solver: Solver { iteration, diagonal, linear: Some(linear), kept, .. }, .. } = own
+        let LoopMemory {
+            work,
+            solver: IterationMemory { iteration, diagonal, linear: Some(linear), kept, .. },
+            ..
+        } = own
         else {
             return Err(astray(0, f64::INFINITY));
         };
@@ -83,13 +87,13 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
         let mut all = memory.work.lists(scheme, degrees);
         all.x.iter_mut().zip(&*lists.x).for_each(|(x, &value)| *x = S::from_f64(value));
-        let passes = if let Linear::Krylov(_) = linear { PASSES } else { 1 };
+        let passes = if let LinearSolver::Krylov(_) = linear { PASSES } else { 1 };
         for _ in 0..passes {
             self.residual(&mut all);
             all.correction.iter_mut().for_each(|residual| *residual = residual.infinitesimal());
             match linear {
-                Linear::Band(band) => band.solve_in_room(all.correction, solved),
-                Linear::Krylov(_) => {
+                LinearSolver::Band(band) => band.solve_in_room(all.correction, solved),
+                LinearSolver::Krylov(_) => {
                     for number in 0..S::DERIVATIVES {
                         for (own, residual) in lists.correction.iter_mut().zip(&*all.correction) {
                             *own = residual.derivative(number).lane(0);
@@ -108,17 +112,17 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     }
 }
 
-impl<H: Elements + Sync> Step<'_, H, f64> {
+impl<H: Elements + Sync> LoopStep<'_, H, f64> {
     /// Solves for the values of the unknowns, which remain in the lists of the memory.
-    fn solve_values<const CAREFUL: bool>(self, own: &mut Memory<f64>) -> Result<Effort, StepFailure> {
+    fn solve_values<const CAREFUL: bool>(self, own: &mut LoopMemory<f64>) -> Result<Effort, StepFailure> {
         let (scheme, degrees) = (self.scheme, self.degrees());
         if CAREFUL {
             let effort = self.careful(own)?;
             own.record(scheme, degrees);
             return Ok(effort);
         }
-        // Not window by window: the unknowns are needed.
-        let mut scratch = Scratch { is_exact: true, ..own.scratch(scheme, degrees) };
+        // Not tile by tile: the unknowns are needed.
+        let mut scratch = LoopScratch { is_exact: true, ..own.scratch(scheme, degrees) };
         let solved = self.solve(&mut scratch)?;
         own.solver.preference.learn(solved.solution);
         if scheme.remembers {

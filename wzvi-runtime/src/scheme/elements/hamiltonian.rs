@@ -1,10 +1,10 @@
-//! Sums of elements as a Hamiltonian: values and slopes of one term from those of the part that it belongs
-//! to.
+//! Sums of elements as a Hamiltonian: values and derivatives of one term from those of the part that it
+//! belongs to.
 
 use std::cell::Cell;
 use std::ops::Range;
 
-use super::{Elements, PairColumns, Point, Slopes, check, places, slopes};
+use super::{Elements, EvaluationPoint, PairColumns, Partials, check, places, slopes};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
@@ -17,7 +17,7 @@ pub(crate) const DRIFT: usize = 0;
 pub(super) const NOISE: usize = 1;
 /// The number of the part for the counter-terms, of second order in the increments.
 pub(crate) const COUNTER_TERM: usize = 2;
-/// The number of the part for the force beside the drift, with the slopes `-h f`.
+/// The number of the part for the force beside the drift, with the derivatives `-h f`.
 pub(super) const FORCE: usize = 3;
 
 /// Whether `q` and `p` are those of a state of the system.
@@ -39,11 +39,11 @@ fn part_of(term: usize) -> (usize, Range<usize>) {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn forces<H: Elements, S: Scalar>(
     system: &H,
-    at: &Point<'_, S>,
+    at: &EvaluationPoint<'_, S>,
     into: &mut [S],
     columns: &mut PairColumns,
 ) {
-    slopes(system, (FORCE, 1.0), at, Slopes::BY_COORDINATES, into, &mut [], columns);
+    slopes(system, (FORCE, 1.0), at, Partials::BY_COORDINATES, into, &mut [], columns);
     into.iter_mut().for_each(|slope| *slope = -*slope);
 }
 
@@ -105,7 +105,11 @@ impl<H: Elements> Hamiltonian for H {
             return S::from_f64(f64::NAN);
         }
         let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
-        self.value(part, 1.0, &Point { acting, ..Point::new([q, p], Scalar::from_f64(t), &[], &dw) })
+        self.value(
+            part,
+            1.0,
+            &EvaluationPoint { acting, ..EvaluationPoint::new([q, p], Scalar::from_f64(t), &[], &dw) },
+        )
     }
 
     fn differentiate<S: Scalar>(
@@ -124,8 +128,9 @@ impl<H: Elements> Hamiltonian for H {
         by_p.fill(start);
         if is_known {
             let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
-            let at = Point { acting, ..Point::new([q, p], Scalar::from_f64(t), &[], &dw) };
-            with_columns(|columns| slopes(self, (part, 1.0), &at, Slopes::ALL, by_q, by_p, columns));
+            let at =
+                EvaluationPoint { acting, ..EvaluationPoint::new([q, p], Scalar::from_f64(t), &[], &dw) };
+            with_columns(|columns| slopes(self, (part, 1.0), &at, Partials::ALL, by_q, by_p, columns));
         }
     }
 
@@ -138,8 +143,9 @@ impl<H: Elements> Hamiltonian for H {
         by_q.fill(start);
         by_p.fill(start);
         if is_known {
-            let at = Point { acting: 0..dw.len(), ..Point::new([q, p], state.t, &[], dw) };
-            with_columns(|columns| slopes(self, (NOISE, 1.0), &at, Slopes::ALL, by_q, by_p, columns));
+            let at =
+                EvaluationPoint { acting: 0..dw.len(), ..EvaluationPoint::new([q, p], state.t, &[], dw) };
+            with_columns(|columns| slopes(self, (NOISE, 1.0), &at, Partials::ALL, by_q, by_p, columns));
         }
     }
 
@@ -147,7 +153,7 @@ impl<H: Elements> Hamiltonian for H {
         let is_known = fits(self, q, p) && into.len() == q.len();
         into.fill(S::from_f64(if is_known { 0.0 } else { f64::NAN }));
         if is_known && H::FACTS.kind.is_forced {
-            let at = Point::new([q, p], Scalar::from_f64(t), &[], &[]);
+            let at = EvaluationPoint::new([q, p], Scalar::from_f64(t), &[], &[]);
             with_columns(|columns| forces(self, &at, into, columns));
         }
     }
@@ -157,6 +163,6 @@ impl<H: Elements> Hamiltonian for H {
         if number >= self.invariants() || !fits(self, q, p) {
             return f64::NAN;
         }
-        self.value(H::FACTS.integrals + number, 1.0, &Point::new([q, p], state.t, &[], &[]))
+        self.value(H::FACTS.integrals + number, 1.0, &EvaluationPoint::new([q, p], state.t, &[], &[]))
     }
 }

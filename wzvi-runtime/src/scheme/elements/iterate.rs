@@ -2,19 +2,19 @@
 
 use super::change::Change;
 use super::costs::Costs;
-use super::linear::Linear;
-use super::memory::{Lists, Scratch, Solver};
+use super::lanes::{ConvergenceRate, is_in_lanes};
+use super::linear::LinearSolver;
+use super::memory::{IterationMemory, LoopScratch, StepLists};
 use super::passes::{largest, subtract};
-use super::preference::Solution;
+use super::preference::SolvedBy;
 use super::rounding::variation;
-use super::side_by_side::{Pace, is_side_by_side};
-use super::step::Step;
-use super::{Elements, Iteration, Memory, Quadrature};
-use crate::algebra::carry::Carry;
+use super::step::LoopStep;
+use super::{Elements, Iteration, LoopMemory, Quadrature};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::algebra::solve::{Effort, astray};
+use crate::algebra::state_sum::StateSum;
 use crate::error::StepFailure;
-use crate::scheme::system::At;
+use crate::scheme::system::StepArguments;
 
 /// Corrections below this fraction of the largest unknown change nothing.
 pub(super) const ROUNDING: f64 = f64::EPSILON;
@@ -30,11 +30,11 @@ const MOST_ITERATIONS: u32 = 100;
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+pub(super) fn advance<H: Elements + Sync, S: Scalar, C: StateSum<S>, const CAREFUL: bool>(
     (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    at: At<'_, S, S::Constant>,
-    memory: &mut Memory<S>,
+    at: StepArguments<'_, S, S::Constant>,
+    memory: &mut LoopMemory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     if CAREFUL || !memory.fits(system, at.q.len()) {
@@ -46,11 +46,11 @@ pub(super) fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL:
 /// [`advance`] with a memory of another size, or for a careful step: rare, and compiled once for all schemes.
 #[cold]
 #[inline(never)]
-fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+fn advance_anyhow<H: Elements + Sync, S: Scalar, C: StateSum<S>, const CAREFUL: bool>(
     (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    at: At<'_, S, S::Constant>,
-    memory: &mut Memory<S>,
+    at: StepArguments<'_, S, S::Constant>,
+    memory: &mut LoopMemory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     // A memory of another size is replaced only if the step succeeds.
@@ -71,16 +71,16 @@ fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: boo
 
 /// The step with a memory that fits the state.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+fn advance_fitting<H: Elements + Sync, S: Scalar, C: StateSum<S>, const CAREFUL: bool>(
     (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    At { t, h, q, p, dw }: At<'_, S, S::Constant>,
-    memory: &mut Memory<S>,
+    StepArguments { t, h, q, p, dw }: StepArguments<'_, S, S::Constant>,
+    memory: &mut LoopMemory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let [q, p] = super::sized_mut(system, [q, p])?;
     let dw = super::increments(system, dw)?;
-    let step = Step { system, scheme, t, h, parameters, q, p, dw, increment: None };
+    let step = LoopStep { system, scheme, t, h, parameters, q, p, dw, increment: None };
     let degrees = step.degrees();
     if scheme.takes_values_first::<S>() {
         let effort = step.differentiate::<CAREFUL>(memory)?;
@@ -97,7 +97,7 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
         // With noise, too: where a solution is followed over parts of a step, each part starts from the one
         // before.
         memory.record(scheme, degrees);
-        (effort, Solution::Newton { may_contract: false })
+        (effort, SolvedBy::Newton { may_contract: false })
     } else {
         let mut scratch = memory.scratch(scheme, degrees);
         // One correction starts from zero.
@@ -128,9 +128,9 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
 }
 
 /// The outcome of the fast iteration.
-pub(super) struct Solved {
+pub(super) struct IterationOutcome {
     pub(super) iterations: u32,
-    pub(super) solution: Solution,
+    pub(super) solution: SolvedBy,
 }
 
 /// The state of the fast iteration.
@@ -156,7 +156,7 @@ pub(super) struct IterationState<S: Scalar> {
 }
 
 /// An applied correction.
-struct Taken<S> {
+struct Correction<S> {
     /// Relative to the largest unknown.
     relative: S,
     /// The change of the points at which the equations are evaluated, if already known; of fixed-point
@@ -170,11 +170,11 @@ struct Taken<S> {
     is_kept: bool,
 }
 
-impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
+impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
     /// Solves for the unknowns by the fast iteration.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
-        if const { is_side_by_side::<S>() } {
+    pub(super) fn solve(self, scratch: &mut LoopScratch<'_, S>) -> Result<IterationOutcome, StepFailure> {
+        if const { is_in_lanes::<S>() } {
             // Where steps begin with another method paths go alone, and one that turns out to need it ends
             // with an error.
             debug_assert!(
@@ -187,7 +187,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         scratch.solver.kept.begin();
         let mut solved = self.attempt(scratch);
         let mut is_apart = false;
-        if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
+        if const { H::FACTS.has_tiles && S::MAY_BE_F64 }
             && solved.is_err()
             && self.may_have_been_unusual(scratch)
         {
@@ -208,7 +208,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn attempt(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
+    fn attempt(self, scratch: &mut LoopScratch<'_, S>) -> Result<IterationOutcome, StepFailure> {
         let (pinned, known) = (scratch.solver.iteration, scratch.known);
         match self.takes_one_correction(scratch) {
             true => self.correct_once(scratch),
@@ -216,28 +216,31 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// [`Step::attempt`] without vector instructions; separate, since a second call would keep the first from
-    /// being inlined.
+    /// [`LoopStep::attempt`] without vector instructions; separate, since a second call would keep the first
+    /// from being inlined.
     #[cold]
     #[inline(never)]
-    fn attempt_exactly(self, mut scratch: Scratch<'_, S>) -> Result<Solved, StepFailure> {
+    fn attempt_exactly(self, mut scratch: LoopScratch<'_, S>) -> Result<IterationOutcome, StepFailure> {
         self.attempt(&mut scratch)
     }
 
     /// Whether the equations are linear and uncoupled, so that one correction solves them to rounding.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn takes_one_correction(self, scratch: &Scratch<'_, S>) -> bool {
+    fn takes_one_correction(self, scratch: &LoopScratch<'_, S>) -> bool {
         let is_linear = self.scheme.is_linear && scratch.solver.iteration == Iteration::Automatic;
         is_linear && scratch.inverses().is_some()
     }
 
     /// Solves linear uncoupled equations by one correction from zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn correct_once(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
+    fn correct_once(self, scratch: &mut LoopScratch<'_, S>) -> Result<IterationOutcome, StepFailure> {
         if !self.starts_with_factors(scratch.lend(), Iteration::Automatic) {
             // The Jacobian does not depend on the unknowns.
-            let Scratch { lists, solver: Solver { diagonal, linear: Some(linear), kept, .. }, .. } =
-                scratch.lend()
+            let LoopScratch {
+                lists,
+                solver: IterationMemory { diagonal, linear: Some(linear), kept, .. },
+                ..
+            } = scratch.lend()
             else {
                 return Err(StepFailure::NonFinite);
             };
@@ -246,19 +249,19 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         if !self.solve_diagonal(scratch) {
             return Err(StepFailure::NonFinite);
         }
-        Ok(Solved { iterations: 1, solution: Solution::Newton { may_contract: false } })
+        Ok(IterationOutcome { iterations: 1, solution: SolvedBy::Newton { may_contract: false } })
     }
 
     /// Solves from zero, by Newton's method unless another iteration is pinned.
     #[cold]
     #[inline(never)]
-    fn iterate_again(self, mut scratch: Scratch<'_, S>) -> Result<Solved, StepFailure> {
+    fn iterate_again(self, mut scratch: LoopScratch<'_, S>) -> Result<IterationOutcome, StepFailure> {
         let (asked, is_tried) =
             (scratch.solver.iteration, !self.starts_with_newton(&scratch, scratch.solver.iteration));
         let pinned = if asked == Iteration::Automatic { Iteration::Newton } else { asked };
         let mut solved = self.iterate(&mut scratch, 0, pinned)?;
         if is_tried && asked == Iteration::Automatic {
-            solved.solution = Solution::GaveWay;
+            solved.solution = SolvedBy::GaveWay;
         }
         Ok(solved)
     }
@@ -267,32 +270,32 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn iterate(
         self,
-        scratch: &mut Scratch<'_, S>,
+        scratch: &mut LoopScratch<'_, S>,
         known: u8,
         pinned: Iteration,
-    ) -> Result<Solved, StepFailure> {
+    ) -> Result<IterationOutcome, StepFailure> {
         let mut iteration = self.begin(scratch, known, pinned);
         let is_tried = !iteration.is_newton;
         self.start(scratch, known);
         while iteration.iterations < MOST_ITERATIONS {
             iteration.iterations += 1;
-            let taken = self.take(scratch, &mut iteration)?;
+            let taken = self.apply_correction(scratch, &mut iteration)?;
             if self.is_solved(scratch, &mut iteration, &taken)? {
                 let IterationState { iterations, is_newton, may_contract, .. } = iteration;
                 let solution = match (is_tried, is_newton) {
-                    (_, false) => Solution::FixedPoint,
-                    (true, true) => Solution::GaveWay,
-                    (false, true) => Solution::Newton { may_contract },
+                    (_, false) => SolvedBy::FixedPoint,
+                    (true, true) => SolvedBy::GaveWay,
+                    (false, true) => SolvedBy::Newton { may_contract },
                 };
-                return Ok(Solved { iterations, solution });
+                return Ok(IterationOutcome { iterations, solution });
             }
         }
         Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: iteration.last.magnitude() })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn begin(self, scratch: &mut Scratch<'_, S>, known: u8, pinned: Iteration) -> IterationState<S> {
-        let is_newton = !const { is_side_by_side::<S>() } && self.starts_with_newton(scratch, pinned);
+    fn begin(self, scratch: &mut LoopScratch<'_, S>, known: u8, pinned: Iteration) -> IterationState<S> {
+        let is_newton = !const { is_in_lanes::<S>() } && self.starts_with_newton(scratch, pinned);
         let has_factors = is_newton && self.starts_with_factors(scratch.lend(), pinned);
         IterationState {
             iterations: 0,
@@ -310,9 +313,9 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn starts_with_newton(self, scratch: &Scratch<'_, S>, pinned: Iteration) -> bool {
+    fn starts_with_newton(self, scratch: &LoopScratch<'_, S>, pinned: Iteration) -> bool {
         let has_constant_band =
-            self.scheme.is_linear && matches!(scratch.solver.linear, Some(Linear::Band(_)));
+            self.scheme.is_linear && matches!(scratch.solver.linear, Some(LinearSolver::Band(_)));
         match pinned {
             Iteration::Newton => true,
             Iteration::Automatic => scratch.solver.preference.is_newton() || has_constant_band,
@@ -322,20 +325,20 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 
     /// Applies a correction of the fixed point or of Newton's method.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take(
+    fn apply_correction(
         self,
-        scratch: &mut Scratch<'_, S>,
+        scratch: &mut LoopScratch<'_, S>,
         iteration: &mut IterationState<S>,
-    ) -> Result<Taken<S>, StepFailure> {
-        let Lists { correction, previous, .. } = &mut scratch.lists;
+    ) -> Result<Correction<S>, StepFailure> {
+        let StepLists { correction, previous, .. } = &mut scratch.lists;
         std::mem::swap(correction, previous);
         let (mut is_fresh, mut is_kept) = (false, false);
         let (mut stretch, mut change) = (1.0, None);
-        let relative = if !const { is_side_by_side::<S>() } && iteration.is_newton {
+        let relative = if !const { is_in_lanes::<S>() } && iteration.is_newton {
             scratch.leave_windows();
             self.residual_at(&mut scratch.lists);
             let is_krylov = match &scratch.solver.linear {
-                Some(linear) => matches!(linear, Linear::Krylov(_)),
+                Some(linear) => matches!(linear, LinearSolver::Krylov(_)),
                 None => return Err(astray(iteration.iterations, iteration.last.magnitude())),
             };
             // Krylov's method takes products with the current Jacobian, whatever its preconditioner.
@@ -359,7 +362,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             let not_converged = StepFailure::NotConverged { iterations, correction };
             return Err(if diverges { not_converged } else { StepFailure::NonFinite });
         }
-        Ok(Taken { relative, change, stretch, is_fresh, is_kept })
+        Ok(Correction { relative, change, stretch, is_fresh, is_kept })
     }
 
     /// Turns a fixed-point correction into Newton's, with new factors if the old ones are stale. Returns the
@@ -367,17 +370,21 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     #[inline(never)]
     fn correct_by_newton(
         self,
-        scratch: Scratch<'_, S>,
+        scratch: LoopScratch<'_, S>,
         is_stale: bool,
         pinned: Iteration,
     ) -> Result<f64, StepFailure> {
-        let Scratch { mut lists, solver: Solver { diagonal, linear: Some(linear), kept, .. }, .. } = scratch
+        let LoopScratch {
+            mut lists,
+            solver: IterationMemory { diagonal, linear: Some(linear), kept, .. },
+            ..
+        } = scratch
         else {
             return Err(StepFailure::NonFinite);
         };
         if is_stale {
             self.renew(&lists, diagonal, linear, kept, pinned)?;
-        } else if matches!(linear, Linear::Krylov(_)) {
+        } else if matches!(linear, LinearSolver::Krylov(_)) {
             self.differentiate_velocities(&lists, diagonal);
         }
         let kind = self.scheme.unknowns;
@@ -409,16 +416,16 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_solved(
         self,
-        scratch: &mut Scratch<'_, S>,
+        scratch: &mut LoopScratch<'_, S>,
         iteration: &mut IterationState<S>,
-        taken: &Taken<S>,
+        taken: &Correction<S>,
     ) -> Result<bool, StepFailure> {
-        if const { is_side_by_side::<S>() } {
+        if const { is_in_lanes::<S>() } {
             return self.are_solved(&scratch.lists, iteration, taken.relative);
         }
         let IterationState { iterations, known, pinned, is_newton, .. } = *iteration;
         let (mut relative, last) = (taken.relative.lane(0), iteration.last.lane(0));
-        let pace = Pace::of(relative, last);
+        let pace = ConvergenceRate::of(relative, last);
         if self.is_resolved(scratch, taken, is_newton, pace) {
             return Ok(true);
         }
@@ -456,7 +463,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         iteration.last = S::from_f64(relative);
         if pace.needs_more(is_newton, iteration.costs) && !settles && pinned == Iteration::Automatic {
             // The fixed point, or Newton's method with old factors, contracts too slowly.
-            iteration.is_stale = !is_newton || !matches!(scratch.solver.linear, Some(Linear::Krylov(_)));
+            iteration.is_stale =
+                !is_newton || !matches!(scratch.solver.linear, Some(LinearSolver::Krylov(_)));
             if !is_newton && stagnates {
                 iteration.is_stale = !self.starts_with_factors(scratch.lend(), pinned);
                 self.start(scratch, known);
@@ -473,10 +481,10 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_resolved(
         self,
-        scratch: &Scratch<'_, S>,
-        taken: &Taken<S>,
+        scratch: &LoopScratch<'_, S>,
+        taken: &Correction<S>,
         is_newton: bool,
-        pace: Pace<f64>,
+        pace: ConvergenceRate<f64>,
     ) -> bool {
         let may_look = !is_newton && taken.change.is_none() && size_of::<S>() == size_of::<f64>();
         taken.change == Some(Change::Unseen)
@@ -486,7 +494,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 }
 
 /// Whether the derivatives that the unknowns carry still converge: they do so after the values.
-fn varies<S: Scalar>(scratch: &Scratch<'_, S>, iteration: &mut IterationState<S>) -> bool {
+fn varies<S: Scalar>(scratch: &LoopScratch<'_, S>, iteration: &mut IterationState<S>) -> bool {
     let variation = variation(scratch.lists.x, scratch.lists.correction);
     let before = std::mem::replace(&mut iteration.variation, variation);
     size_of::<S>() != size_of::<f64>() && variation < 0.5 * before

@@ -1,12 +1,12 @@
 //! The Jacobian `I - φ'` of a step, entry by entry: for factors, for products with vectors, or as a sparsity
 //! pattern.
 
-use super::kept::PATIENCE;
-use super::linear::{Linear, Wide};
-use super::memory::{Lists, Work};
+use super::factor_cache::PATIENCE;
+use super::linear::{KrylovSolver, LinearSolver};
+use super::memory::{StepLists, StepScratch};
 use super::passes::largest;
-use super::step::Step;
-use super::{By, Elements, Quadrature, Slopes, Unknowns};
+use super::step::LoopStep;
+use super::{Elements, HessianBlock, Partials, Quadrature, Unknowns};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Banded, Krylov, Operator, Sparse, power_of_two};
 use crate::error::StepFailure;
@@ -19,7 +19,7 @@ fn product<S: Scalar>(x: &[S], y: &mut [S]) -> impl FnMut(usize, usize, S) {
 
 /// Takes entries of a Jacobian where that is rare. The second derivatives of a system are long, and compiled
 /// for each type that takes them.
-type Rarely<'r, S> = &'r mut dyn FnMut(usize, usize, S);
+type RareEntry<'r, S> = &'r mut dyn FnMut(usize, usize, S);
 
 /// The powers of two by which the two kinds of unknowns are multiplied, which is exact; `None` where there is
 /// one kind.
@@ -49,20 +49,20 @@ fn inverse(units: Units) -> Units {
     units.map(|units| units.map(f64::recip))
 }
 
-impl<H: Elements, S: Scalar> Step<'_, H, S> {
+impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
     /// `∂u/∂v` at the current stages, where it is diagonal.
-    pub(super) fn differentiate_velocities(&self, lists: &Lists<'_, S>, diagonal: &mut [S]) {
+    pub(super) fn differentiate_velocities(&self, lists: &StepLists<'_, S>, diagonal: &mut [S]) {
         if self.scheme.unknowns == Unknowns::Momenta {
             diagonal.fill(S::from_f64(0.0));
             let free = if self.increment.is_some() { &[] } else { self.scheme.stages };
             // It is diagonal where it is needed, by the choice of unknowns.
             let mut add = |by, [i, _]: [usize; 2], is_alone: bool, value| {
-                if by == By::PP && is_alone {
+                if by == HessianBlock::PP && is_alone {
                     diagonal[i] = diagonal[i] + value;
                 }
             };
             for stage in free {
-                self.curvature(stage, self.q, lists.momentum, Slopes::BY_MOMENTA, &mut add);
+                self.hessian(stage, self.q, lists.momentum, Partials::BY_MOMENTA, &mut add);
             }
         }
     }
@@ -74,19 +74,19 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`] of a band.
     pub(super) fn factor(
         &self,
-        lists: &Lists<'_, S>,
+        lists: &StepLists<'_, S>,
         diagonal: &mut [S],
-        linear: &mut Linear<S>,
+        linear: &mut LinearSolver<S>,
         all: bool,
     ) -> Result<(), StepFailure> {
         self.differentiate_velocities(lists, diagonal);
         match linear {
-            Linear::Band(band) => {
+            LinearSolver::Band(band) => {
                 band.reset();
                 self.add_to(band, lists, diagonal);
                 band.factor()
             }
-            Linear::Krylov(wide) => {
+            LinearSolver::Krylov(wide) => {
                 wide.leaves_out = false;
                 let factors = self.reset(wide, all);
                 self.entries_rarely(lists, diagonal, &mut |i, j, value| factors.add(i, j, value));
@@ -96,31 +96,31 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// [`Step::factor`] without entries that are not finite; returns their number.
+    /// [`LoopStep::factor`] without entries that are not finite; returns their number.
     ///
     /// # Errors
-    /// The errors of [`Step::factor`].
+    /// The errors of [`LoopStep::factor`].
     pub(super) fn factor_with_care(
         &self,
-        lists: &Lists<'_, S>,
+        lists: &StepLists<'_, S>,
         diagonal: &mut [S],
-        linear: &mut Linear<S>,
+        linear: &mut LinearSolver<S>,
     ) -> Result<usize, StepFailure> {
         self.differentiate_velocities(lists, diagonal);
         let mut left_out = 0;
-        let mut add = |into: Rarely<'_, S>| {
+        let mut add = |into: RareEntry<'_, S>| {
             self.entries_rarely(lists, diagonal, &mut |i, j, value| match value.magnitude().is_finite() {
                 true => into(i, j, value),
                 false => left_out += 1,
             });
         };
         match linear {
-            Linear::Band(band) => {
+            LinearSolver::Band(band) => {
                 band.reset();
                 add(&mut |i, j, value| band.add(i, j, value));
                 band.factor()?;
             }
-            Linear::Krylov(wide) => {
+            LinearSolver::Krylov(wide) => {
                 let factors = self.reset(wide, true);
                 add(&mut |i, j, value| factors.add(i, j, value));
                 factors.factor();
@@ -131,9 +131,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// The preconditioner, as that of the identity.
-    fn reset<'w>(&self, wide: &'w mut Wide<S>, all: bool) -> &'w mut Sparse<S> {
+    fn reset<'w>(&self, wide: &'w mut KrylovSolver<S>, all: bool) -> &'w mut Sparse<S> {
         let (scheme, degrees) = (self.scheme, self.degrees());
-        let pattern = |visit: Visit<'_>| pattern(self.system, scheme, degrees, visit);
+        let pattern = |visit: VisitEntry<'_>| pattern(self.system, scheme, degrees, visit);
         let factors = wide.room(&pattern, scheme.unknowns.count(degrees), all);
         factors.reset();
         factors
@@ -146,18 +146,18 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// [`StepFailure::NotConverged`] or [`StepFailure::NonFinite`] of a Krylov iteration.
     pub(super) fn correct(
         &self,
-        lists: &mut Lists<'_, S>,
+        lists: &mut StepLists<'_, S>,
         diagonal: &[S],
-        linear: &mut Linear<S>,
+        linear: &mut LinearSolver<S>,
         tolerance: f64,
     ) -> Result<Option<u32>, StepFailure> {
         match linear {
-            Linear::Band(band) => {
+            LinearSolver::Band(band) => {
                 band.solve(lists.correction);
                 Ok(None)
             }
-            Linear::Krylov(wide) => {
-                let Wide { krylov, room, factors, leaves_out } = &mut **wide;
+            LinearSolver::Krylov(wide) => {
+                let KrylovSolver { krylov, room, factors, leaves_out } = &mut **wide;
                 let (factors, all) = factors.as_mut().ok_or(StepFailure::NonFinite)?;
                 let correction = std::mem::take(&mut lists.correction);
                 let units = units(self.scheme.unknowns, lists.x, correction);
@@ -190,7 +190,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// both; without the entries that are not finite where `leaves_out`.
     fn product(
         &self,
-        (lists, diagonal, leaves_out): (&Lists<'_, S>, &[S], bool),
+        (lists, diagonal, leaves_out): (&StepLists<'_, S>, &[S], bool),
         units: Units,
         (x, y): (&[S], &mut [S]),
         room: &mut Vec<S>,
@@ -221,61 +221,66 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// A function of its own: only then is it known that the lists do not overlap.
     #[inline(never)]
-    fn add_to(&self, band: &mut Banded<S>, lists: &Lists<'_, S>, diagonal: &[S]) {
+    fn add_to(&self, band: &mut Banded<S>, lists: &StepLists<'_, S>, diagonal: &[S]) {
         self.entries(lists, diagonal, &mut |i, j, value| band.add(i, j, value));
     }
 
-    fn entries_rarely(&self, lists: &Lists<'_, S>, diagonal: &[S], mut into: Rarely<'_, S>) {
+    fn entries_rarely(&self, lists: &StepLists<'_, S>, diagonal: &[S], mut into: RareEntry<'_, S>) {
         self.entries(lists, diagonal, &mut into);
     }
 
     /// `-φ'` at the current stages: the Jacobian of `(∂L_d/∂P, -D_1 L_d)`, unknowns
     /// `u_0, v_0, u_1, v_1, ...`; or `∂(-D_1 L_d)/∂v` with `∂u/∂v = D`, which is
     /// `I + Σ start (c F_qq D + F_qp)`.
-    fn entries(&self, lists: &Lists<'_, S>, diagonal: &[S], add: &mut impl FnMut(usize, usize, S)) {
-        let Lists { stages, momentum, .. } = lists;
+    fn entries(&self, lists: &StepLists<'_, S>, diagonal: &[S], add: &mut impl FnMut(usize, usize, S)) {
+        let StepLists { stages, momentum, .. } = lists;
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (q, _) = stages.at(s);
             let (point, start, both) = (stage.point, stage.start, stage.start * stage.point);
             if self.scheme.unknowns == Unknowns::Both {
                 let mut coupled = |by, [i, j]: [usize; 2], is_alone: bool, value: S| {
                     let (at, entry, mirrored, other) = match by {
-                        By::QQ => ([2 * i + 1, 2 * j], value * both, [2 * j + 1, 2 * i], value * both),
-                        By::QP => ([2 * i + 1, 2 * j + 1], value * start, [2 * j, 2 * i], -(value * point)),
-                        By::PP => ([2 * i, 2 * j + 1], -value, [2 * j, 2 * i + 1], -value),
+                        HessianBlock::QQ => {
+                            ([2 * i + 1, 2 * j], value * both, [2 * j + 1, 2 * i], value * both)
+                        }
+                        HessianBlock::QP => {
+                            ([2 * i + 1, 2 * j + 1], value * start, [2 * j, 2 * i], -(value * point))
+                        }
+                        HessianBlock::PP => ([2 * i, 2 * j + 1], -value, [2 * j, 2 * i + 1], -value),
                     };
                     add(at[0], at[1], entry);
                     if !is_alone {
                         add(mirrored[0], mirrored[1], other);
                     }
                 };
-                self.curvature(stage, q, momentum, Slopes::ALL, &mut coupled);
+                self.hessian(stage, q, momentum, Partials::ALL, &mut coupled);
             } else {
                 let mut reduced = |by, [i, j]: [usize; 2], is_alone: bool, value: S| match by {
-                    By::QQ => {
+                    HessianBlock::QQ => {
                         add(i, j, value * both * diagonal[j]);
                         if !is_alone {
                             add(j, i, value * both * diagonal[i]);
                         }
                     }
-                    By::QP => add(i, j, value * start),
-                    By::PP => {}
+                    HessianBlock::QP => add(i, j, value * start),
+                    HessianBlock::PP => {}
                 };
-                self.curvature(stage, q, momentum, Slopes::BY_COORDINATES, &mut reduced);
+                self.hessian(stage, q, momentum, Partials::BY_COORDINATES, &mut reduced);
             }
         }
     }
 }
 
 /// Takes positions of a Jacobian.
-pub(super) type Visit<'v> = &'v mut dyn FnMut(usize, usize);
+pub(super) type VisitEntry<'v> = &'v mut dyn FnMut(usize, usize);
 
 /// Calls `visit` with every off-diagonal position where the Jacobian may have an entry, some more than once.
-pub(super) fn pattern<H: Elements>(system: &H, scheme: &Quadrature, degrees: usize, visit: Visit<'_>) {
+pub(super) fn pattern<H: Elements>(system: &H, scheme: &Quadrature, degrees: usize, visit: VisitEntry<'_>) {
     let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
     let (q, p, dw) = (&*zeros, &*zeros, &*dw);
-    let step = Step { system, scheme, t: 0.0, h: 1.0, parameters: &[], q, p, dw, increment: None };
-    let (mut work, diagonal) = (Work::new(scheme, degrees), vec![0.0; scheme.unknowns.diagonals(degrees)]);
+    let step = LoopStep { system, scheme, t: 0.0, h: 1.0, parameters: &[], q, p, dw, increment: None };
+    let (mut work, diagonal) =
+        (StepScratch::new(scheme, degrees), vec![0.0; scheme.unknowns.diagonals(degrees)]);
     step.entries_rarely(&work.lists(scheme, degrees), &diagonal, &mut |row, column, _| {
         if row != column {
             visit(row, column);

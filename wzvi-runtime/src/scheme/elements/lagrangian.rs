@@ -3,8 +3,11 @@
 
 use super::hamiltonian::fits;
 use super::rounding::lift;
-use super::step::{Step, decay};
-use super::{Elements, Memory, PairColumns, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
+use super::step::{LoopStep, decay};
+use super::{
+    Elements, EvaluationPoint, LoopMemory, PairColumns, Partials, Quadrature, QuadraturePoint, Unknowns,
+    slopes,
+};
 use crate::algebra::scalar::{Rounded, Scalar, larger};
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::{Hamiltonian, LagrangianGradient, Segment};
@@ -23,11 +26,11 @@ fn for_each_part<H: Elements>(
     segment: &Segment<H::Vector>,
     increment: &[f64],
     dw: &[f64],
-    mut take: impl FnMut(usize, &Stage, f64, &Point<'_, f64>),
+    mut take: impl FnMut(usize, &QuadraturePoint, f64, &EvaluationPoint<'_, f64>),
 ) {
     let &Segment { ref q0, ref p, t, h, .. } = segment;
     let (q, p) = (q0.components(), p.components());
-    let step = Step { system, scheme, t, h, parameters: &[], q, p, dw, increment: Some(increment) };
+    let step = LoopStep { system, scheme, t, h, parameters: &[], q, p, dw, increment: Some(increment) };
     for stage in scheme.stages {
         let places = along(q, increment, stage.point);
         let at = step.at(stage, &places[..], p);
@@ -73,7 +76,7 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     for_each_part((system, scheme), segment, &u, dw, |part, stage, weight, at| {
         force.fill(0.0);
         velocity.fill(0.0);
-        slopes(system, (part, weight), at, Slopes::ALL, &mut force, &mut velocity, columns);
+        slopes(system, (part, weight), at, Partials::ALL, &mut force, &mut velocity, columns);
         for i in 0..force.len() {
             by_start[i] -= stage.start * force[i];
             by_end[i] -= stage.end * force[i];
@@ -148,16 +151,16 @@ fn momentum_increment<H: Elements>(
     }
     let u = differences(q, end_q);
     let scheme = &Quadrature { unknowns: Unknowns::Momenta, remembers: false, ..*scheme };
-    let mut memory = Memory::default();
+    let mut memory = LoopMemory::default();
     memory.fit(system, scheme, q.len()).ok()?;
-    let step = Step { system, scheme, t: before.t, h, parameters: &[], q, p, dw, increment: Some(&u) };
-    let ends = Ends::new(&step, after);
-    let solved = |memory: &mut Memory<f64>| {
+    let step = LoopStep { system, scheme, t: before.t, h, parameters: &[], q, p, dw, increment: Some(&u) };
+    let ends = StepEnds::new(&step, after);
+    let solved = |memory: &mut LoopMemory<f64>| {
         step.careful(memory).ok()?;
         let v = memory.work.lists(scheme, q.len()).x.to_vec();
         ends.are_joined_by(&v).then_some(v)
     };
-    let from = |memory: &mut Memory<f64>, v: Vec<f64>| {
+    let from = |memory: &mut LoopMemory<f64>, v: Vec<f64>| {
         for past in &mut memory.solver.past {
             past.clone_from(&v);
         }
@@ -169,14 +172,14 @@ fn momentum_increment<H: Elements>(
         .or_else(|| from(&mut memory, step.momenta()?))
 }
 
-impl<H: Elements> Step<'_, H, f64> {
+impl<H: Elements> LoopStep<'_, H, f64> {
     /// `v` of the step itself, solved for `u` and `v` from zero.
     fn momenta(&self) -> Option<Vec<f64>> {
         let (mut memory, scheme) =
-            (Memory::default(), &Quadrature { unknowns: Unknowns::Both, ..*self.scheme });
+            (LoopMemory::default(), &Quadrature { unknowns: Unknowns::Both, ..*self.scheme });
         memory.fit(self.system, scheme, self.degrees()).ok()?;
         let &Self { system, t, h, parameters, q, p, dw, .. } = self;
-        let step = Step { system, scheme, t, h, parameters, q, p, dw, increment: None };
+        let step = LoopStep { system, scheme, t, h, parameters, q, p, dw, increment: None };
         step.careful(&mut memory).ok()?;
         let x = memory.work.lists(scheme, self.degrees()).x;
         Some(second_of_each(x))
@@ -190,8 +193,8 @@ const PASSES: u32 = 8;
 const HALVES: f64 = 0.5;
 
 /// Both ends of a step, as intervals of all states that round to them.
-struct Ends<'a, H> {
-    step: Step<'a, H, f64>,
+struct StepEnds<'a, H> {
+    step: LoopStep<'a, H, f64>,
     q: Vec<Rounded>,
     u: Vec<Rounded>,
     p: Vec<Rounded>,
@@ -199,8 +202,8 @@ struct Ends<'a, H> {
     dw: Vec<Rounded>,
 }
 
-impl<'a, H: Elements> Ends<'a, H> {
-    fn new(step: &Step<'a, H, f64>, after: &State<H::Vector>) -> Self {
+impl<'a, H: Elements> StepEnds<'a, H> {
+    fn new(step: &LoopStep<'a, H, f64>, after: &State<H::Vector>) -> Self {
         let (q, p) = (lifted(step.q, Rounded::nearest), lifted(step.p, Rounded::nearest));
         let end_q = lifted(after.q.components(), Rounded::nearest);
         let end_p = lifted(after.p.components(), Rounded::nearest);
@@ -237,15 +240,22 @@ impl<'a, H: Elements> Ends<'a, H> {
     }
 
     /// `Σ w_s F_q(q_i + c_s u, P)`
-    fn pull(&self, momentum: &[Rounded], weight: impl Fn(&Stage) -> f64) -> Vec<Rounded> {
-        let Step { system, scheme, t, h, .. } = self.step;
+    fn pull(&self, momentum: &[Rounded], weight: impl Fn(&QuadraturePoint) -> f64) -> Vec<Rounded> {
+        let LoopStep { system, scheme, t, h, .. } = self.step;
         let (q, p, dw) = (&*self.q, &*self.p, &*self.dw);
-        let step = Step { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
+        let step = LoopStep { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
         let nothing = vec![Rounded::exact(0.0); self.q.len()];
         let (mut sum, mut unused, columns) = (nothing.clone(), nothing.clone(), &mut PairColumns::default());
         for stage in scheme.stages.iter().filter(|stage| weight(stage) != 0.0) {
             let (places, mut by_q) = (along(&self.q, &self.u, stage.point), nothing.clone());
-            step.slopes(stage, [&places, momentum], Slopes::BY_COORDINATES, &mut by_q, &mut unused, columns);
+            step.gradient(
+                stage,
+                [&places, momentum],
+                Partials::BY_COORDINATES,
+                &mut by_q,
+                &mut unused,
+                columns,
+            );
             add_multiple(&mut sum, &by_q, weight(stage));
         }
         sum

@@ -17,7 +17,7 @@
 //! | lattice of 32^3 sites | 200 | - | 4862 | **440** |
 
 use super::costs::Costs;
-use super::jacobian::Visit;
+use super::jacobian::VisitEntry;
 use crate::algebra::memory::Method;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Banded, Krylov, Sparse, reverse_cuthill_mckee};
@@ -40,19 +40,19 @@ const MANY_ITERATIONS: u64 = 512;
 const ASSEMBLY: u64 = 2;
 
 /// Visits all positions off the diagonal where the matrix may have an entry, some more than once.
-type Pattern<'p> = &'p dyn Fn(Visit<'_>);
+type Pattern<'p> = &'p dyn Fn(VisitEntry<'_>);
 
 /// The solver of the linear equations of Newton's method.
 #[derive(Clone, Debug)]
-pub(super) enum Linear<S> {
+pub(super) enum LinearSolver<S> {
     Band(Banded<S>),
     /// Uses products with the matrix, which is not stored.
-    Krylov(Box<Wide<S>>),
+    Krylov(Box<KrylovSolver<S>>),
 }
 
 /// A Krylov iteration, and factors of a nearby matrix as its preconditioner.
 #[derive(Clone, Debug)]
-pub(super) struct Wide<S> {
+pub(super) struct KrylovSolver<S> {
     pub(super) krylov: Krylov<S>,
     /// A vector in the units of the system; the iteration scales each kind of unknown.
     pub(super) room: Vec<S>,
@@ -62,7 +62,7 @@ pub(super) struct Wide<S> {
     pub(super) leaves_out: bool,
 }
 
-impl<S: Scalar> Wide<S> {
+impl<S: Scalar> KrylovSolver<S> {
     /// Storage for factors; complete if `all` and cheap enough.
     pub(super) fn room(&mut self, pattern: Pattern<'_>, unknowns: usize, all: bool) -> &mut Sparse<S> {
         let known = self.factors.take().filter(|&(_, known)| known == all);
@@ -70,7 +70,7 @@ impl<S: Scalar> Wide<S> {
     }
 }
 
-impl<S: Scalar> Linear<S> {
+impl<S: Scalar> LinearSolver<S> {
     /// A band if it is narrow or small, after a renumbering where that pays; otherwise Krylov's method.
     pub(super) fn new(pattern: Pattern<'_>, unknowns: usize) -> Self {
         let (mut natural, mut entries) = (0_usize, 0_usize);
@@ -107,7 +107,7 @@ impl<S: Scalar> Linear<S> {
         let (half, position) = if is_dense { (unknowns - 1, Vec::new()) } else { (half, position) };
         match if is_cheap { Banded::new(unknowns, half, position, MOST_NUMBERS) } else { None } {
             Some(band) => Self::Band(band.parted(is_dense)),
-            None => Self::Krylov(Box::new(Wide {
+            None => Self::Krylov(Box::new(KrylovSolver {
                 krylov: Krylov::new(unknowns),
                 room: Vec::new(),
                 factors: None,

@@ -1,39 +1,39 @@
 //! The memory of a stepper of a system of elements, allocated once.
 
 use super::costs::Costs;
-use super::differentiate::Values;
-use super::jacobian::{Visit, pattern};
-use super::kept::Kept;
-use super::linear::Linear;
+use super::differentiate::ScalarSolution;
+use super::factor_cache::FactorCache;
+use super::jacobian::{VisitEntry, pattern};
+use super::lanes::is_in_lanes;
+use super::linear::LinearSolver;
 use super::preference::Preference;
 use super::rounding::Rounding;
-use super::side_by_side::is_side_by_side;
-use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
+use super::tiles::{LEAST_IN_TILES, TilePlan, TiledSweeps, takes_tiles};
 use super::{Elements, PairColumns, Quadrature, Unknowns};
-use crate::algebra::memory::{Iteration, Method, Report, Request, StepMemory, Threads};
+use crate::algebra::memory::{Iteration, MemoryRequest, Method, SolverReport, StepMemory, Threads};
 use crate::algebra::scalar::Scalar;
-use crate::algebra::solve::Room;
+use crate::algebra::solve::NewtonScratch;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// Vectors of one step, unknowns of past steps, and the matrix.
 #[derive(Default)]
-pub struct Memory<S: Scalar> {
+pub struct LoopMemory<S: Scalar> {
     pub(super) degrees: usize,
     /// Number of unknowns that are remembered of each step.
     remembered: usize,
-    pub(super) work: Work<S>,
+    pub(super) work: StepScratch<S>,
     pub(super) known: u8,
-    pub(super) solver: Solver<S>,
-    /// The windows of explicit steps of a large system.
-    pub(super) plan: WindowPlan,
+    pub(super) solver: IterationMemory<S>,
+    /// The tiles of explicit steps of a large system.
+    pub(super) plan: TilePlan,
     /// Where numbers carry derivatives, the values of implicit steps.
-    pub(super) values: Option<Box<Values<S>>>,
+    pub(super) values: Option<Box<ScalarSolution<S>>>,
 }
 
 /// The data of the iteration that outlast a step.
 #[derive(Default)]
-pub(super) struct Solver<S: Scalar> {
+pub(super) struct IterationMemory<S: Scalar> {
     pub(super) iteration: Iteration,
     /// `∂u/∂v` where that is diagonal.
     pub(super) diagonal: Vec<S>,
@@ -41,48 +41,48 @@ pub(super) struct Solver<S: Scalar> {
     pub(super) past: [Vec<S>; 3],
     pub(super) preference: Preference,
     pub(super) costs: Costs,
-    pub(super) linear: Option<Linear<S>>,
-    pub(super) kept: Kept<S>,
+    pub(super) linear: Option<LinearSolver<S>>,
+    pub(super) kept: FactorCache<S>,
     pub(super) rounding: Option<Box<Rounding>>,
-    /// The windows of the fixed point of a large system.
-    pub(super) sweeps: Option<Box<Sweeps>>,
-    pub(super) care: Care<S>,
+    /// The tiles of the fixed point of a large system.
+    pub(super) sweeps: Option<Box<TiledSweeps>>,
+    pub(super) care: CarefulScratch<S>,
 }
 
 /// The scratch of a careful step.
 #[derive(Debug, Default)]
-pub(super) struct Care<S> {
+pub(super) struct CarefulScratch<S> {
     pub(super) start: Vec<S>,
     /// Which equations are solved to rounding.
     pub(super) are_settled: Vec<bool>,
-    pub(super) room: Room<Vec<S>>,
+    pub(super) room: NewtonScratch<Vec<S>>,
 }
 
 /// Scratch for the equations of one step: a single list, because the compiler knows only of parts of one list
 /// that they do not overlap.
 #[derive(Debug, Default)]
-pub(super) struct Work<S> {
+pub(super) struct StepScratch<S> {
     numbers: Vec<S>,
     columns: PairColumns,
 }
 
-/// The parts of a [`Work`], with lengths that follow from the system, so that loops over several of them need
-/// no bounds checks.
-pub(super) struct Lists<'a, S> {
+/// The parts of a [`StepScratch`], with lengths that follow from the system, so that loops over several of
+/// them need no bounds checks.
+pub(super) struct StepLists<'a, S> {
     pub(super) x: &'a mut [S],
     pub(super) correction: &'a mut [S],
     /// The previous correction.
     pub(super) previous: &'a mut [S],
     pub(super) u: &'a mut [S],
     pub(super) momentum: &'a mut [S],
-    /// Slopes by momenta; where `u` follows from `v`, the `u` before the correction.
+    /// Derivatives by momenta; where `u` follows from `v`, the `u` before the correction.
     pub(super) by_p: &'a mut [S],
-    pub(super) stages: Stages<'a, S>,
+    pub(super) stages: StageVectors<'a, S>,
     pub(super) columns: &'a mut PairColumns,
 }
 
-/// The coordinates of each stage, and the slopes by them.
-pub(super) struct Stages<'a, S> {
+/// The coordinates of each stage, and the derivatives by them.
+pub(super) struct StageVectors<'a, S> {
     numbers: &'a mut [S],
     degrees: usize,
     /// Whether the two lists of each stage are exchanged.
@@ -92,18 +92,18 @@ pub(super) struct Stages<'a, S> {
 /// Padding between two lists of a large system, in numbers: simultaneous reads and writes then have different
 /// offsets within a page, the last bits of an address, which processors compare first.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn apart(degrees: usize) -> usize {
-    if degrees < LEAST_IN_WINDOWS { 0 } else { 40 }
+fn padding(degrees: usize) -> usize {
+    if degrees < LEAST_IN_TILES { 0 } else { 40 }
 }
 
 /// The first `length` numbers, and those after a padding of `apart`.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn split_apart<S>(numbers: &mut [S], length: usize, apart: usize) -> (&mut [S], &mut [S]) {
+fn split_padded<S>(numbers: &mut [S], length: usize, apart: usize) -> (&mut [S], &mut [S]) {
     let (list, rest) = numbers.split_at_mut(length + apart);
     (&mut list[..length], rest)
 }
 
-impl<S: Scalar> Work<S> {
+impl<S: Scalar> StepScratch<S> {
     /// Scratch for a system with this number of degrees of freedom.
     pub(super) fn new(scheme: &Quadrature, degrees: usize) -> Self {
         debug_assert!(!scheme.stages.is_empty(), "a discrete Lagrangian has a quadrature point");
@@ -113,7 +113,7 @@ impl<S: Scalar> Work<S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn length(scheme: &Quadrature, degrees: usize) -> usize {
-        let apart = (6 + 2 * scheme.stages.len()) * apart(degrees);
+        let apart = (6 + 2 * scheme.stages.len()) * padding(degrees);
         3 * scheme.unknowns.count(degrees) + (3 + 2 * scheme.stages.len()) * degrees + apart
     }
 
@@ -124,70 +124,71 @@ impl<S: Scalar> Work<S> {
 
     /// Its parts for the scheme and the degrees of freedom that it was made for.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn lists(&mut self, scheme: &Quadrature, degrees: usize) -> Lists<'_, S> {
+    pub(super) fn lists(&mut self, scheme: &Quadrature, degrees: usize) -> StepLists<'_, S> {
         let unknowns = scheme.unknowns.count(degrees);
         let Self { numbers, columns } = self;
         let numbers = &mut numbers[..Self::length(scheme, degrees)];
-        let apart = apart(degrees);
-        let (x, numbers) = split_apart(numbers, unknowns, apart);
-        let (correction, numbers) = split_apart(numbers, unknowns, apart);
-        let (previous, numbers) = split_apart(numbers, unknowns, apart);
-        let (u, numbers) = split_apart(numbers, degrees, apart);
-        let (momentum, numbers) = split_apart(numbers, degrees, apart);
-        let (by_p, numbers) = split_apart(numbers, degrees, apart);
-        Lists {
+        let apart = padding(degrees);
+        let (x, numbers) = split_padded(numbers, unknowns, apart);
+        let (correction, numbers) = split_padded(numbers, unknowns, apart);
+        let (previous, numbers) = split_padded(numbers, unknowns, apart);
+        let (u, numbers) = split_padded(numbers, degrees, apart);
+        let (momentum, numbers) = split_padded(numbers, degrees, apart);
+        let (by_p, numbers) = split_padded(numbers, degrees, apart);
+        StepLists {
             x,
             correction,
             previous,
             u,
             momentum,
             by_p,
-            stages: Stages { numbers, degrees, is_turned: false },
+            stages: StageVectors { numbers, degrees, is_turned: false },
             columns,
         }
     }
 }
 
-impl<S: Scalar> Lists<'_, S> {
+impl<S: Scalar> StepLists<'_, S> {
     /// The lists in numbers `f64`, if their numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn plain(&mut self) -> Option<Lists<'_, f64>> {
+    pub(super) fn plain(&mut self) -> Option<StepLists<'_, f64>> {
         let Self { x, correction, previous, u, momentum, by_p, stages, columns } = self;
-        let Stages { numbers, degrees, is_turned } = stages;
-        let stages = Stages { numbers: S::plain_mut(numbers)?, degrees: *degrees, is_turned: *is_turned };
-        Some(Lists {
-            x: S::plain_mut(x)?,
-            correction: S::plain_mut(correction)?,
-            previous: S::plain_mut(previous)?,
-            u: S::plain_mut(u)?,
-            momentum: S::plain_mut(momentum)?,
-            by_p: S::plain_mut(by_p)?,
+        let StageVectors { numbers, degrees, is_turned } = stages;
+        let stages =
+            StageVectors { numbers: S::as_f64s_mut(numbers)?, degrees: *degrees, is_turned: *is_turned };
+        Some(StepLists {
+            x: S::as_f64s_mut(x)?,
+            correction: S::as_f64s_mut(correction)?,
+            previous: S::as_f64s_mut(previous)?,
+            u: S::as_f64s_mut(u)?,
+            momentum: S::as_f64s_mut(momentum)?,
+            by_p: S::as_f64s_mut(by_p)?,
             stages,
             columns,
         })
     }
 }
 
-impl<S> Lists<'_, S> {
+impl<S> StepLists<'_, S> {
     /// A copy of the references for a separate function: values whose address is passed do not stay in
     /// registers.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn lend(&mut self) -> Lists<'_, S> {
+    pub(super) fn lend(&mut self) -> StepLists<'_, S> {
         let Self { x, correction, previous, u, momentum, by_p, stages, columns } = self;
-        let stages = Stages { numbers: stages.numbers, ..*stages };
-        Lists { x, correction, previous, u, momentum, by_p, stages, columns }
+        let stages = StageVectors { numbers: stages.numbers, ..*stages };
+        StepLists { x, correction, previous, u, momentum, by_p, stages, columns }
     }
 }
 
-impl<S> Stages<'_, S> {
-    /// The start of a stage, and the distance from its coordinates to the slopes by them.
+impl<S> StageVectors<'_, S> {
+    /// The start of a stage, and the distance from its coordinates to the derivatives by them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(&self, stage: usize) -> (usize, usize) {
-        let stride = self.degrees + apart(self.degrees);
+        let stride = self.degrees + padding(self.degrees);
         (2 * stride * stage, stride)
     }
 
-    /// The coordinates of a stage, and the slopes by them.
+    /// The coordinates of a stage, and the derivatives by them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn at(&self, stage: usize) -> (&[S], &[S]) {
         let (start, stride) = self.bounds(stage);
@@ -213,24 +214,24 @@ impl<S> Stages<'_, S> {
 }
 
 /// The parts of a [`Memory`] that the solution of a step reads and writes.
-pub(super) struct Scratch<'a, S: Scalar> {
-    pub(super) lists: Lists<'a, S>,
-    pub(super) solver: &'a mut Solver<S>,
+pub(super) struct LoopScratch<'a, S: Scalar> {
+    pub(super) lists: StepLists<'a, S>,
+    pub(super) solver: &'a mut IterationMemory<S>,
     pub(super) known: u8,
-    /// The threads that share the windows.
+    /// The threads that share the tiles.
     pub(super) threads: Threads,
     /// Whether vector instructions are ruled out.
     pub(super) is_exact: bool,
 }
 
-impl<S: Scalar> Memory<S> {
+impl<S: Scalar> LoopMemory<S> {
     /// Scratch for the scheme and the degrees of freedom of this memory; with past steps where the iteration
     /// starts from them.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn scratch(&mut self, scheme: &Quadrature, degrees: usize) -> Scratch<'_, S> {
+    pub(super) fn scratch(&mut self, scheme: &Quadrature, degrees: usize) -> LoopScratch<'_, S> {
         let Self { work, solver, plan, known, .. } = self;
         let known = if scheme.remembers { *known } else { 0 };
-        Scratch {
+        LoopScratch {
             lists: work.lists(scheme, degrees),
             solver,
             known,
@@ -242,7 +243,7 @@ impl<S: Scalar> Memory<S> {
     /// Records the unknowns of a successful step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn record(&mut self, scheme: &Quadrature, degrees: usize) {
-        let Lists { x, .. } = self.work.lists(scheme, degrees);
+        let StepLists { x, .. } = self.work.lists(scheme, degrees);
         if self.solver.past[0].len() != x.len() {
             self.solver.past.iter_mut().for_each(|past| past.resize(x.len(), S::from_f64(0.0)));
         }
@@ -257,11 +258,11 @@ impl<S: Scalar> Memory<S> {
     }
 }
 
-impl<S: Scalar> Scratch<'_, S> {
+impl<S: Scalar> LoopScratch<'_, S> {
     /// The inverse of the Jacobian, if that is a diagonal matrix.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn inverses(&self) -> Option<&[S]> {
-        if let Some(Linear::Band(band)) = &self.solver.linear { band.inverses() } else { None }
+        if let Some(LinearSolver::Band(band)) = &self.solver.linear { band.inverses() } else { None }
     }
 
     /// Extrapolates the unknowns of past steps: `3x_n - 3x_{n-1} + x_{n-2}`, to a lower order if fewer are
@@ -289,18 +290,18 @@ impl<S: Scalar> Scratch<'_, S> {
     }
 }
 
-impl<S: Scalar> Scratch<'_, S> {
-    /// As [`Lists::lend`].
+impl<S: Scalar> LoopScratch<'_, S> {
+    /// As [`StepLists::lend`].
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn lend(&mut self) -> Scratch<'_, S> {
-        Scratch { lists: self.lists.lend(), solver: self.solver, ..*self }
+    pub(super) fn lend(&mut self) -> LoopScratch<'_, S> {
+        LoopScratch { lists: self.lists.lend(), solver: self.solver, ..*self }
     }
 }
 
 /// Shows the data of earlier steps; scratch is meaningless outside its step.
-impl<S: Scalar> std::fmt::Debug for Memory<S> {
+impl<S: Scalar> std::fmt::Debug for LoopMemory<S> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { degrees, known, solver: Solver { iteration, past, preference, .. }, .. } = self;
+        let Self { degrees, known, solver: IterationMemory { iteration, past, preference, .. }, .. } = self;
         formatter
             .debug_struct("Memory")
             .field("degrees", degrees)
@@ -313,7 +314,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
 }
 
 /// Copies the data of earlier steps; the copy allocates its own scratch at its first use.
-impl<S: Scalar> Clone for Memory<S> {
+impl<S: Scalar> Clone for LoopMemory<S> {
     fn clone(&self) -> Self {
         let mut copy = Self { plan: self.plan.alike(), ..Self::default() };
         copy.clone_from(self);
@@ -332,11 +333,11 @@ impl<S: Scalar> Clone for Memory<S> {
 }
 
 /// By hand: past unknowns are there once a step is known, and values for one type of numbers only.
-impl<S: Scalar> Numbers for Memory<S> {
+impl<S: Scalar> Numbers for LoopMemory<S> {
     fn pass(&mut self, tape: &mut Tape) {
         // `iteration` and `plan` are settings, all other fields without a name are scratch.
         let Self { known, solver, values, degrees: _, remembered: _, work: _, plan: _ } = self;
-        let Solver {
+        let IterationMemory {
             past,
             preference,
             kept,
@@ -368,28 +369,28 @@ impl<S: Scalar> Numbers for Memory<S> {
     }
 }
 
-impl<S: Scalar> StepMemory for Memory<S> {
-    fn tell(&mut self, request: &Request) {
+impl<S: Scalar> StepMemory for LoopMemory<S> {
+    fn tell(&mut self, request: &MemoryRequest) {
         if let Some(values) = &mut self.values {
             values.memory.tell(request);
         }
         match request {
-            Request::Forget => {
+            MemoryRequest::Forget => {
                 self.known = 0;
                 self.solver.preference = Preference::default();
                 self.solver.kept.forget();
             }
-            Request::Hold => self.known = self.known.min(1),
-            Request::Pin(iteration) => self.solver.iteration = *iteration,
-            Request::Share(threads) => {
+            MemoryRequest::Hold => self.known = self.known.min(1),
+            MemoryRequest::Pin(iteration) => self.solver.iteration = *iteration,
+            MemoryRequest::Share(threads) => {
                 self.plan.share(*threads);
                 self.solver.sweeps = None;
             }
-            Request::Derivatives(_) => {}
+            MemoryRequest::Derivatives(_) => {}
         }
     }
 
-    fn goes_side_by_side(&self) -> bool {
+    fn allows_lanes(&self) -> bool {
         self.solver.preference == Preference::default() && !self.solver.kept.may_serve()
     }
 
@@ -419,18 +420,18 @@ impl<S: Scalar> StepMemory for Memory<S> {
         }
     }
 
-    fn report(&self) -> Report {
+    fn report(&self) -> SolverReport {
         let method = match &self.solver.linear {
             _ if self.degrees == 0 => Method::Undecided,
             None => Method::Explicit,
             Some(linear) => linear.method(),
         };
         let linear_work = self.solver.kept.work;
-        Report { pinned: self.solver.iteration, method: Some(method), linear_work }
+        SolverReport { pinned: self.solver.iteration, method: Some(method), linear_work }
     }
 }
 
-impl<S: Scalar> Memory<S> {
+impl<S: Scalar> LoopMemory<S> {
     /// The memory of a stepper: allocated at once if the system knows its size, else by the first step.
     pub fn new<H: Elements>(system: &H, scheme: &Quadrature) -> Self {
         let mut memory = Self::default();
@@ -463,8 +464,9 @@ impl<S: Scalar> Memory<S> {
 
     fn allocate<H: Elements>(&mut self, system: &H, scheme: &Quadrature, degrees: usize) {
         let has_room_in_windows =
-            H::FACTS.has_windows && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
-        self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
+            H::FACTS.has_tiles && S::as_f64s(&[]).is_some() && takes_tiles(scheme, degrees);
+        self.work =
+            if has_room_in_windows { StepScratch::default() } else { StepScratch::new(scheme, degrees) };
         self.solver.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
         (self.solver.rounding, self.plan, self.solver.sweeps) = (None, self.plan.alike(), None);
         let unknowns = scheme.unknowns.count(degrees);
@@ -479,23 +481,23 @@ impl<S: Scalar> Memory<S> {
         }
         self.degrees = degrees;
         self.solver.kept.lose();
-        let pattern = |visit: Visit<'_>| pattern(system, scheme, degrees, visit);
+        let pattern = |visit: VisitEntry<'_>| pattern(system, scheme, degrees, visit);
         // Counted before the matrix is allocated: the pattern needs room of its own.
         let entries = if is_implicit { entries(&pattern) } else { 0 };
-        if const { is_side_by_side::<S>() } {
+        if const { is_in_lanes::<S>() } {
             // Lanes have no factors, and take the decisions of a path alone.
-            let linear = is_implicit.then(|| Linear::<f64>::new(&pattern, unknowns));
+            let linear = is_implicit.then(|| LinearSolver::<f64>::new(&pattern, unknowns));
             self.solver.costs = Costs::of(entries, unknowns, linear.as_ref());
         } else {
             let has_factors = is_implicit && !scheme.takes_values_first::<S>();
-            self.solver.linear = has_factors.then(|| Linear::new(&pattern, unknowns));
+            self.solver.linear = has_factors.then(|| LinearSolver::new(&pattern, unknowns));
             self.solver.costs = Costs::of(entries, unknowns, self.solver.linear.as_ref());
         }
     }
 }
 
 /// How many entries a pattern has.
-fn entries(pattern: &dyn Fn(Visit<'_>)) -> usize {
+fn entries(pattern: &dyn Fn(VisitEntry<'_>)) -> usize {
     let mut entries = 0;
     pattern(&mut |_, _| entries += 1);
     entries

@@ -1,9 +1,9 @@
 //! Sums over pairs of bodies, in vector instructions.
 //!
-//! The pairs of one body form a [`Row`]: its partners are adjacent points of the state. The slopes of
-//! [`LANES`] pairs are computed together. Slopes by the partners go to the sums of the partners. Slopes by
-//! the body go to one sum for each lane; these sums are added in the order of a fixed tree, followed by the
-//! rest of the row, partner by partner:
+//! The pairs of one body form a [`Row`]: its partners are adjacent points of the state. The derivatives of
+//! [`LANES`] pairs are computed together. Derivatives by the partners go to the sums of the partners.
+//! Derivatives by the body go to one sum for each lane; these sums are added in the order of a fixed tree,
+//! followed by the rest of the row, partner by partner:
 //!
 //! ```text
 //! ∂V/∂q_i = ((s_0 + s_4) + (s_2 + s_6)) + ((s_1 + s_5) + (s_3 + s_7)) + rest,   s_l = Σ_c ∂V(q_i, q_{8c+l})/∂q_i
@@ -21,22 +21,22 @@ mod block;
 mod columns;
 mod partners;
 
-use super::sums::{Given, Run, Sums};
+use super::sums::{AdjacentSums, ElementInput, Sums};
 use crate::algebra::scalar::{Number, Scalar};
 
-pub(super) use block::Block;
+pub(super) use block::GradientBlock;
 pub use columns::PairColumns;
-pub(super) use columns::{LEAST_IN_COLUMNS, may_take_vectors, slopes, takes_vectors};
+pub(super) use columns::{LEAST_IN_COLUMNS, gradient_in_columns, may_take_vectors, takes_vectors};
 
-/// Number of partners whose slopes are computed together, on every machine.
+/// Number of partners whose derivatives are computed together, on every machine.
 pub(super) const LANES: usize = 8;
 
-/// The slopes of an element by two points: by `F` degrees of freedom of a body, the same for a whole row, and
-/// by the `D` components of a partner. For placements that are [evaluated together](super::Placements),
-/// without partners, all numbers that are read are entries.
+/// The derivatives of an element by two points: by `F` degrees of freedom of a body, the same for a whole
+/// row, and by the `D` components of a partner. For placements that are [evaluated
+/// together](super::Placements), without partners, all numbers that are read are entries.
 pub trait Pair<const O: usize, const D: usize, const M: usize, const F: usize> {
-    /// The slopes from numbers of the body and constants, the partner, and its entries of tables.
-    fn slopes<T: Scalar>(own: [T; O], partner: [T; D], entries: [T; M]) -> ([T; F], [T; D]);
+    /// The derivatives from numbers of the body and constants, the partner, and its entries of tables.
+    fn gradient<T: Scalar>(own: [T; O], partner: [T; D], entries: [T; M]) -> ([T; F], [T; D]);
 }
 
 /// One body and its partners.
@@ -50,7 +50,7 @@ pub struct Row<'a, T: Scalar, const O: usize, const M: usize, const F: usize> {
     pub own: [T; O],
     /// Entries of tables, starting with those of the first partner.
     pub entries: [&'a [f64]; M],
-    /// The places of the slopes by the body.
+    /// The places of the derivatives by the body.
     pub places: [usize; F],
 }
 
@@ -61,13 +61,13 @@ fn total<T: Scalar>([a, b, c, d, e, f, g, h]: [T; LANES]) -> T {
 }
 
 impl<T: Scalar, const O: usize, const M: usize, const F: usize> Row<'_, T, O, M, F> {
-    /// Adds the slopes by the partner at `place` of the row, and returns those by the body.
+    /// Adds the derivatives by the partner at `place` of the row, and returns those by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet<S: Scalar, K: Pair<O, D, M, F>, const D: usize>(
         &self,
         place: usize,
         partner: [S; D],
-        into: &mut impl Run<S>,
+        into: &mut impl AdjacentSums<S>,
     ) -> [T; F]
     where
         T: Number<S>,
@@ -79,7 +79,7 @@ impl<T: Scalar, const O: usize, const M: usize, const F: usize> Row<'_, T, O, M,
         for k in 0..M {
             entries[k] = T::from_f64(self.entries[k][place]);
         }
-        let (by_own, by_partner) = K::slopes(self.own, point, entries);
+        let (by_own, by_partner) = K::gradient(self.own, point, entries);
         for k in 0..D {
             into.add_part(place, k, by_partner[k]);
         }
@@ -87,7 +87,7 @@ impl<T: Scalar, const O: usize, const M: usize, const F: usize> Row<'_, T, O, M,
     }
 }
 
-/// Adds slopes to sums.
+/// Adds derivatives to sums.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn gather<T: Scalar, const F: usize>(sums: &mut [T; F], slopes: [T; F]) {
     for k in 0..F {
@@ -101,7 +101,7 @@ pub(super) fn add_row<
     S: Scalar,
     T: Number<S>,
     K: Pair<O, D, M, F>,
-    V: Given<S> + ?Sized,
+    V: ElementInput<S> + ?Sized,
     A: Sums<S> + ?Sized,
     const O: usize,
     const D: usize,

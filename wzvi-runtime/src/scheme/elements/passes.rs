@@ -1,7 +1,7 @@
 //! Passes over whole vectors: corrections, their sizes, sums.
 
 use super::Unknowns;
-use super::side_by_side::{is_side_by_side, subtract_side_by_side};
+use super::lanes::{is_in_lanes, subtract_in_lanes};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::algebra::solve::relative_to;
 
@@ -9,8 +9,8 @@ use crate::algebra::solve::relative_to;
 /// correction is not finite: of all parts of the numbers, or of each path side by side.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S]) -> S {
-    if const { is_side_by_side::<S>() } {
-        return subtract_side_by_side(kind, x, correction);
+    if const { is_in_lanes::<S>() } {
+        return subtract_in_lanes(kind, x, correction);
     }
     let (mut size, mut change) = (Largest::<LANES>::default(), Largest::<LANES>::default());
     let (chunks, rest) = x.as_chunks_mut::<LANES>();
@@ -21,7 +21,7 @@ pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S])
         *x = new;
         // A number that is not finite comes from the correction, or is found in the new state.
         size.take_finite(&new);
-        change.take(&c);
+        change.include(&c);
     }
     // With both kinds of unknowns the rest is even, so that pairs stay together.
     let (pairs, single) = rest.as_chunks_mut::<2>();
@@ -29,12 +29,12 @@ pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S])
     for (x, c) in pairs.iter_mut().zip(other) {
         *x = [x[0] - c[0], x[1] - c[1]];
         size.take_finite(x);
-        change.take(c);
+        change.include(c);
     }
     for (x, &c) in single.iter_mut().zip(last) {
         *x = *x - c;
         size.take_finite(&[*x]);
-        change.take(&[c]);
+        change.include(&[c]);
     }
     S::from_f64(relate(kind, x, correction, [size.by_kind(kind), change.by_kind(kind)]))
 }
@@ -65,19 +65,19 @@ fn relate<S: Scalar>(kind: Unknowns, x: &[S], correction: &[S], [sizes, changes]
 /// It first reads all its input, then applies each operation to all entries, and stores last, so that the
 /// compiler keeps the entries in vector registers. Several operations on one entry after the other would be
 /// split into scalars.
-pub(super) trait Block {
+pub(super) trait LoopBody {
     /// The work on the entries from `first` on.
-    fn take<const N: usize>(&mut self, first: usize);
+    fn apply<const N: usize>(&mut self, first: usize);
 }
 
 /// Does the work on all `length` entries: `L` at a time, and the rest one by one.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn in_blocks<const L: usize>(length: usize, block: &mut impl Block) {
+pub(super) fn in_blocks<const L: usize>(length: usize, block: &mut impl LoopBody) {
     for number in 0..length / L {
-        block.take::<L>(number * L);
+        block.apply::<L>(number * L);
     }
     for first in length / L * L..length {
-        block.take::<1>(first);
+        block.apply::<1>(first);
     }
 }
 
@@ -128,7 +128,7 @@ impl<const L: usize> Default for Largest<L> {
 
 impl<const L: usize> Largest<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn take<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+    pub(super) fn include<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
         self.take_finite(numbers);
         let (numbers, mut poison): ([f64; L], _) = (widened(numbers.map(S::magnitude)), self.poison);
         for i in 0..L {
@@ -177,10 +177,10 @@ impl<const L: usize> Largest<L> {
 pub(super) fn largest<S: Scalar>(kind: Unknowns, x: &[S]) -> [f64; 2] {
     let mut largest = Largest::<LANES>::default();
     let (chunks, rest) = x.as_chunks::<LANES>();
-    chunks.iter().for_each(|chunk| largest.take(chunk));
+    chunks.iter().for_each(|chunk| largest.include(chunk));
     let (pairs, single) = rest.as_chunks::<2>();
-    pairs.iter().for_each(|pair| largest.take(pair));
-    single.iter().for_each(|&x| largest.take(&[x]));
+    pairs.iter().for_each(|pair| largest.include(pair));
+    single.iter().for_each(|&x| largest.include(&[x]));
     largest.by_kind(kind)
 }
 

@@ -124,7 +124,7 @@ pub struct Places {
 
 /// The integers from `low` to `high`, both of them included.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
+pub struct IntegerRange {
     low: i128,
     high: i128,
 }
@@ -133,7 +133,7 @@ pub struct Span {
 #[derive(Clone, Copy, Debug)]
 pub struct Entries {
     length: usize,
-    span: Option<Span>,
+    span: Option<IntegerRange>,
 }
 
 impl Entries {
@@ -144,7 +144,7 @@ impl Entries {
 
     /// One integer.
     pub fn of_integer(value: i128) -> Self {
-        Self { length: 1, span: Some(Span { low: value, high: value }) }
+        Self { length: 1, span: Some(IntegerRange { low: value, high: value }) }
     }
 
     /// The entries of `list` in `range`, as far as that is inside the list, read by `read`.
@@ -157,12 +157,12 @@ impl Entries {
         let part = list.get(range.start..range.end.min(list.len())).unwrap_or_default();
         let least = part.iter().map(&read).min();
         let most = part.iter().map(&read).max();
-        let span = least.zip(most).map(|(low, high)| Span { low: wide(low), high: wide(high) });
+        let span = least.zip(most).map(|(low, high)| IntegerRange { low: wide(low), high: wide(high) });
         Self { length: list.len(), span }
     }
 }
 
-impl Span {
+impl IntegerRange {
     fn at(value: i128) -> Self {
         Self { low: value, high: value }
     }

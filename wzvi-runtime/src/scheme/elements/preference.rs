@@ -29,7 +29,7 @@ pub(super) struct Preference {
 
 /// How the equations of a step were solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Solution {
+pub(super) enum SolvedBy {
     FixedPoint,
     /// Newton's method came first; `may_contract` if `J` is close to the identity, where the fixed point
     /// contracts, too.
@@ -48,16 +48,16 @@ impl Preference {
 
     /// Updates the preference after a successful step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn learn(&mut self, solution: Solution) {
+    pub(super) fn learn(&mut self, solution: SolvedBy) {
         match solution {
-            Solution::FixedPoint => *self = Self::default(),
-            Solution::Newton { may_contract: true } => self.steps = self.steps.saturating_sub(1),
-            Solution::Newton { may_contract: false } if self.against + 1 < RARELY => {
+            SolvedBy::FixedPoint => *self = Self::default(),
+            SolvedBy::Newton { may_contract: true } => self.steps = self.steps.saturating_sub(1),
+            SolvedBy::Newton { may_contract: false } if self.against + 1 < RARELY => {
                 self.against += 1;
                 self.steps = self.steps.max(1);
             }
-            Solution::Newton { may_contract: false } => (self.steps, self.against) = (0, 0),
-            Solution::GaveWay => {
+            SolvedBy::Newton { may_contract: false } => (self.steps, self.against) = (0, 0),
+            SolvedBy::GaveWay => {
                 self.against = 0;
                 self.in_vain = (self.in_vain + 1).min(MOST_IN_VAIN);
                 self.steps = 1 << self.in_vain;
@@ -86,9 +86,9 @@ mod tests {
             let newton = preference.is_newton();
             tries += usize::from(!newton);
             preference.learn(if newton {
-                Solution::Newton { may_contract: true }
+                SolvedBy::Newton { may_contract: true }
             } else {
-                Solution::GaveWay
+                SolvedBy::GaveWay
             });
         }
         tries
@@ -104,9 +104,9 @@ mod tests {
     #[test]
     fn a_fixed_point_that_contracts_again_is_kept() {
         let mut preference = Preference { in_vain: MOST_IN_VAIN, ..Preference::default() };
-        preference.learn(Solution::FixedPoint);
+        preference.learn(SolvedBy::FixedPoint);
         assert_eq!(preference, Preference::default());
-        preference.learn(Solution::Newton { may_contract: false });
+        preference.learn(SolvedBy::Newton { may_contract: false });
         assert!(preference.is_newton(), "what the Jacobian says holds for the next step");
     }
 
@@ -114,12 +114,12 @@ mod tests {
     #[test]
     fn a_fixed_point_that_seems_not_to_contract_is_tried_rarely() {
         let mut preference = Preference::default();
-        preference.learn(Solution::GaveWay);
+        preference.learn(SolvedBy::GaveWay);
         let tries = (0..10 * u32::from(RARELY)).filter(|_| {
             let is_tried = !preference.is_newton();
             preference.learn(match is_tried {
-                true => Solution::GaveWay,
-                false => Solution::Newton { may_contract: false },
+                true => SolvedBy::GaveWay,
+                false => SolvedBy::Newton { may_contract: false },
             });
             is_tried
         });

@@ -41,18 +41,18 @@ impl Unknowns {
 /// A quadrature point of the discrete Lagrangian, and the part of the step Hamiltonian that is evaluated
 /// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stage {
+pub struct QuadraturePoint {
     /// `c` in `Q = q_i + c u`, `T = t_i + c h`.
     pub point: f64,
-    /// `∂Q/∂q_i`, the weight of the slopes in `D_1 L_d`.
+    /// `∂Q/∂q_i`, the weight of the derivatives in `D_1 L_d`.
     pub start: f64,
-    /// `∂Q/∂q_{i+1}`, the weight of the slopes in `D_2 L_d`.
+    /// `∂Q/∂q_{i+1}`, the weight of the derivatives in `D_2 L_d`.
     pub end: f64,
     /// The parts that are evaluated here, by number, with their weights.
     pub parts: &'static [(usize, f64)],
 }
 
-impl Stage {
+impl QuadraturePoint {
     /// The point, `∂Q/∂q_i` and `∂Q/∂q_{i+1}`, and the parts there.
     pub const fn new([point, start, end]: [f64; 3], parts: &'static [(usize, f64)]) -> Self {
         Self { point, start, end, parts }
@@ -62,9 +62,10 @@ impl Stage {
 /// How `p_{i+1} - p_i` follows from the solved unknowns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MomentumUpdate {
-    /// A multiple of `v`: if `D_2 L_d - P` is a multiple of `D_1 L_d + P`, no slopes are evaluated again.
+    /// A multiple of `v`: if `D_2 L_d - P` is a multiple of `D_1 L_d + P`, no derivatives are evaluated
+    /// again.
     Multiple(f64),
-    /// `v` and the slopes of `D_2 L_d`.
+    /// `v` and the derivatives of `D_2 L_d`.
     Slopes,
 }
 
@@ -72,7 +73,7 @@ pub enum MomentumUpdate {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quadrature {
     /// The quadrature points of the discrete Lagrangian, at least one.
-    pub stages: &'static [Stage],
+    pub stages: &'static [QuadraturePoint],
     /// How the new momentum follows.
     pub update: MomentumUpdate,
     /// The unknowns of the iteration.
@@ -92,12 +93,12 @@ impl Quadrature {
     }
 
     /// For steps in straight-line code: only the momentum between two states, if anything, is solved with it.
-    pub const fn new(stages: &'static [Stage], update: MomentumUpdate) -> Self {
+    pub const fn new(stages: &'static [QuadraturePoint], update: MomentumUpdate) -> Self {
         Self { stages, update, unknowns: Unknowns::Momenta, remembers: false, is_linear: false }
     }
 
-    /// The ratio of the change of the momenta to `v`, if it is constant; infinite if `D_1 L_d` has no slopes,
-    /// so that `v` is zero.
+    /// The ratio of the change of the momenta to `v`, if it is constant; infinite if `D_1 L_d` has no
+    /// derivatives, so that `v` is zero.
     #[doc(hidden)]
     pub const fn factor(&self) -> Option<f64> {
         if let MomentumUpdate::Multiple(factor) = self.update {
@@ -190,7 +191,7 @@ impl Quadrature {
     /// Whether no part is evaluated at two stages.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn takes_parts_once(&self) -> bool {
-        let numbers = |stage: &'static Stage| stage.parts.iter().map(|&(part, _)| part);
+        let numbers = |stage: &'static QuadraturePoint| stage.parts.iter().map(|&(part, _)| part);
         let stages = self.stages.iter().enumerate();
         let mut earlier =
             stages.flat_map(|(s, stage)| self.stages[..s].iter().map(move |other| (stage, other)));

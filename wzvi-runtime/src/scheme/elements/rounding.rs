@@ -5,9 +5,9 @@
 //! several times as much as an iteration, and is made only when the iteration makes no further progress.
 
 use super::Elements;
-use super::memory::{Lists, Work};
+use super::memory::{StepLists, StepScratch};
 use super::passes::largest;
-use super::step::Step;
+use super::step::LoopStep;
 use crate::algebra::scalar::{Rounded, Scalar, larger};
 use crate::algebra::solve::relative_to;
 
@@ -18,7 +18,7 @@ pub(super) struct Rounding {
     p: Vec<Rounded>,
     dw: Vec<Rounded>,
     increment: Vec<Rounded>,
-    work: Work<Rounded>,
+    work: StepScratch<Rounded>,
 }
 
 pub(super) fn lift<S: Scalar>(from: &[S], into: &mut Vec<Rounded>, as_what: fn(f64) -> Rounded) {
@@ -26,7 +26,7 @@ pub(super) fn lift<S: Scalar>(from: &[S], into: &mut Vec<Rounded>, as_what: fn(f
     into.extend(from.iter().map(|number| as_what(number.lane(0))));
 }
 
-impl<H: Elements, S: Scalar> Step<'_, H, S> {
+impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
     /// The residuals at all numbers that round to `x`, with error bounds.
     #[cold]
     #[inline(never)]
@@ -37,7 +37,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         lift(self.p, p, Rounded::exact);
         lift(self.dw, dw, Rounded::exact);
         if !work.fits(self.scheme, self.degrees()) {
-            *work = Work::new(self.scheme, self.degrees());
+            *work = StepScratch::new(self.scheme, self.degrees());
         }
         let mut lists = work.lists(self.scheme, self.degrees());
         read_nearest(x, lists.x);
@@ -47,7 +47,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         });
         let Self { system, scheme, .. } = self;
         let ([t, h], parameters) = ([self.t, self.h].map(|constant| constant.lane(0)), &[][..]);
-        let step = Step { system, scheme, t, h, parameters, q: &*q, p: &*p, dw: &*dw, increment };
+        let step = LoopStep { system, scheme, t, h, parameters, q: &*q, p: &*p, dw: &*dw, increment };
         step.residual(&mut lists);
         lists.correction
     }
@@ -57,7 +57,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// condition counts with its residual.
     #[cold]
     #[inline(never)]
-    pub(super) fn beyond_rounding(self, lists: Lists<'_, S>, rounding: &mut Option<Box<Rounding>>) -> f64 {
+    pub(super) fn beyond_rounding(
+        self,
+        lists: StepLists<'_, S>,
+        rounding: &mut Option<Box<Rounding>>,
+    ) -> f64 {
         let rounding = self.round(lists.x, rounding);
         beyond(largest(self.scheme.unknowns, lists.x), lists.correction, rounding)
     }

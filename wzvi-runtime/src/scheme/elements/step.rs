@@ -5,25 +5,25 @@
 //! the number of degrees of freedom are constants: loops over stages or parts and checks of lengths
 //! disappear. Where neither speed nor allocation matters, it is compiled once for all schemes.
 
-use super::memory::Lists;
+use super::lanes::is_in_lanes;
+use super::memory::StepLists;
 use super::passes::{add, are_finite};
-use super::side_by_side::is_side_by_side;
 use super::{
-    By, Elements, Given, MomentumUpdate, PairColumns, Point, Quadrature, Slopes, Stage, Sums, Unknowns,
-    slopes,
+    ElementInput, Elements, EvaluationPoint, HessianBlock, MomentumUpdate, PairColumns, Partials, Quadrature,
+    QuadraturePoint, Sums, Unknowns, slopes,
 };
-use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Constant, Number, Scalar};
+use crate::algebra::state_sum::StateSum;
 use crate::error::StepFailure;
 use crate::scheme::system::Hamiltonian;
 
 /// The input of one step.
-pub(super) struct Step<'a, H, S: Scalar> {
+pub(super) struct LoopStep<'a, H, S: Scalar> {
     pub(super) system: &'a H,
     pub(super) scheme: &'a Quadrature,
     pub(super) t: S::Constant,
     pub(super) h: S::Constant,
-    /// As in [`Point`].
+    /// As in [`EvaluationPoint`].
     pub(super) parameters: &'a [S::Constant],
     pub(super) q: &'a [S],
     pub(super) p: &'a [S],
@@ -43,16 +43,16 @@ pub(crate) fn nothing<S: Scalar>() -> S {
     S::from_f64(-0.0)
 }
 
-impl<H, S: Scalar> Clone for Step<'_, H, S> {
+impl<H, S: Scalar> Clone for LoopStep<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<H, S: Scalar> Copy for Step<'_, H, S> {}
+impl<H, S: Scalar> Copy for LoopStep<'_, H, S> {}
 
-impl<'a, H: Elements, S: Scalar> Step<'a, H, S> {
+impl<'a, H: Elements, S: Scalar> LoopStep<'a, H, S> {
     /// The degrees of freedom.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn degrees(&self) -> usize {
@@ -60,11 +60,11 @@ impl<'a, H: Elements, S: Scalar> Step<'a, H, S> {
     }
 }
 
-impl<H: Elements, S: Scalar> Step<'_, H, S> {
+impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
     /// `u` and `P` at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn refresh(&self, lists: &mut Lists<'_, S>) {
-        let Lists { x, u, momentum, stages, columns, .. } = lists;
+    pub(super) fn refresh(&self, lists: &mut StepLists<'_, S>) {
+        let StepLists { x, u, momentum, stages, columns, .. } = lists;
         if self.scheme.unknowns == Unknowns::Both {
             let unknowns = x.as_chunks().0;
             let known = momentum.iter_mut().zip(&mut **u).zip(self.p.iter().zip(unknowns));
@@ -83,26 +83,26 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// The correction `x - φ(x)` of the scheme's unknowns, which is `(∂L_d/∂P, -D_1 L_d - p_i)` or the second
-    /// component alone; leaves `u`, `P`, the stages and slopes.
+    /// component alone; leaves `u`, `P`, the stages and derivatives.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn residual(&self, lists: &mut Lists<'_, S>) {
+    pub(super) fn residual(&self, lists: &mut StepLists<'_, S>) {
         self.refresh(lists);
         self.residual_at(lists);
     }
 
-    /// [`Step::residual`] where `u` and `P` are those at `x`.
+    /// [`LoopStep::residual`] where `u` and `P` are those at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn residual_at(&self, lists: &mut Lists<'_, S>) {
-        let Lists { x, correction, u, momentum, by_p, stages, columns, .. } = lists;
+    pub(super) fn residual_at(&self, lists: &mut StepLists<'_, S>) {
+        let StepLists { x, correction, u, momentum, by_p, stages, columns, .. } = lists;
         let is_both = self.scheme.unknowns == Unknowns::Both;
         if is_both {
             by_p.fill(nothing());
         }
-        let wanted = if is_both { Slopes::ALL } else { Slopes::BY_COORDINATES };
+        let wanted = if is_both { Partials::ALL } else { Partials::BY_COORDINATES };
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (q, by_q) = stages.at_mut(s);
             self.place(stage, q, by_q, u);
-            self.slopes(stage, [q, momentum], wanted, by_q, by_p, columns);
+            self.gradient(stage, [q, momentum], wanted, by_q, by_p, columns);
         }
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (weight, (_, by_q)) = (stage.start, stages.at(s));
@@ -132,9 +132,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// `Q = q_i + c u`; clears the slopes there.
+    /// `Q = q_i + c u`; clears the derivatives there.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn place(&self, stage: &Stage, q: &mut [S], by_q: &mut [S], u: &[S]) {
+    fn place(&self, stage: &QuadraturePoint, q: &mut [S], by_q: &mut [S], u: &[S]) {
         for ((point, slope), (&q, &u)) in q.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
             *point = q + u * stage.point;
             *slope = nothing();
@@ -142,69 +142,74 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// Adds `Σ ∂F/∂p` at `P` to `u`, where the sum does not depend on `u`: elements that read coordinates and
-    /// momenta are then at the node `q_i`, by the choice of unknowns. Their slopes by coordinates go to
+    /// momenta are then at the node `q_i`, by the choice of unknowns. Their derivatives by coordinates go to
     /// `by_q`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S], columns: &mut PairColumns) {
         for stage in self.scheme.stages {
-            self.slopes(stage, [self.q, momentum], Slopes::BY_MOMENTA, by_q, u, columns);
+            self.gradient(stage, [self.q, momentum], Partials::BY_MOMENTA, by_q, u, columns);
         }
     }
 
-    /// Adds the slopes of the parts at a stage.
+    /// Adds the derivatives of the parts at a stage.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn slopes(
+    pub(super) fn gradient(
         &self,
-        stage: &Stage,
+        stage: &QuadraturePoint,
         [q, p]: [&[S]; 2],
-        wanted: Slopes,
+        wanted: Partials,
         by_q: &mut [S],
         by_p: &mut [S],
         columns: &mut PairColumns,
     ) {
         let at = self.at(stage, q, p);
         // Paths that are solved side by side stay in the vector instructions of their caller.
-        let is_here = const { is_side_by_side::<S>() } && self.scheme.unknowns != Unknowns::None;
+        let is_here = const { is_in_lanes::<S>() } && self.scheme.unknowns != Unknowns::None;
         for &part in stage.parts {
             if is_here || size_of::<S>() == size_of::<f64>() {
                 slopes(self.system, part, &at, wanted, by_q, by_p, columns);
             } else {
-                slopes_apart(self.system, part, &at, wanted, by_q, by_p, columns);
+                gradient_outlined(self.system, part, &at, wanted, by_q, by_p, columns);
             }
         }
     }
 
     /// Adds the second derivatives of the parts at a stage.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn curvature(
+    pub(super) fn hessian(
         &self,
-        stage: &Stage,
+        stage: &QuadraturePoint,
         q: &[S],
         p: &[S],
-        wanted: Slopes,
-        into: &mut impl FnMut(By, [usize; 2], bool, S),
+        wanted: Partials,
+        into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
     ) {
         let at = self.at(stage, q, p);
         for &(part, weight) in stage.parts {
-            self.system.curvature(part, weight, &at, wanted, into);
+            self.system.hessian(part, weight, &at, wanted, into);
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn at<'b, V: ?Sized>(&'b self, stage: &Stage, q: &'b V, p: &'b V) -> Point<'b, S, V> {
+    pub(super) fn at<'b, V: ?Sized>(
+        &'b self,
+        stage: &QuadraturePoint,
+        q: &'b V,
+        p: &'b V,
+    ) -> EvaluationPoint<'b, S, V> {
         let &Self { system, t, h, parameters, dw, .. } = self;
         let later = h * stage.point;
         let scale = match H::KIND.is_conformal {
             true => (Elements::friction_rate(system, parameters) * later).exp(),
             false => Scalar::from_f64(1.0),
         };
-        Point { q, p, t: later + t, h, parameters, dw, acting: 0..dw.len(), scale }
+        EvaluationPoint { q, p, t: later + t, h, parameters, dw, acting: 0..dw.len(), scale }
     }
 
     /// `p_{i+1} - p_i` into `by_p`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn finish(&self, lists: &mut Lists<'_, S>) {
-        let Lists { x, u, momentum, by_p: dp, stages, correction, columns, .. } = lists;
+    pub(super) fn finish(&self, lists: &mut StepLists<'_, S>) {
+        let StepLists { x, u, momentum, by_p: dp, stages, correction, columns, .. } = lists;
         match self.scheme.unknowns {
             Unknowns::None => {
                 let (_, forces) = stages.at(0);
@@ -223,8 +228,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                     }
                     let (q, by_q) = stages.at_mut(s);
                     self.place(stage, q, by_q, u);
-                    // Slopes by momenta go to `correction`, where they are not used.
-                    self.slopes(stage, [q, momentum], Slopes::BY_COORDINATES, by_q, correction, columns);
+                    // Derivatives by momenta go to `correction`, where they are not used.
+                    self.gradient(stage, [q, momentum], Partials::BY_COORDINATES, by_q, correction, columns);
                     subtract_multiple(dp, by_q, stage.end);
                 }
             }
@@ -235,14 +240,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 }
 
-impl<H: Elements> Step<'_, H, f64> {
-    /// Adds the slopes of the stages with a weight.
+impl<H: Elements> LoopStep<'_, H, f64> {
+    /// Adds the derivatives of the stages with a weight.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn slopes_of<T: Number<f64>, V: Given<f64> + ?Sized, A: Sums<f64>>(
+    pub(super) fn gradient_of<T: Number<f64>, V: ElementInput<f64> + ?Sized, A: Sums<f64>>(
         &self,
-        weight_of: impl Fn(&Stage) -> f64,
+        weight_of: impl Fn(&QuadraturePoint) -> f64,
         state: &V,
-        wanted: Slopes,
+        wanted: Partials,
         into: &mut A,
     ) {
         let none = &mut [][..];
@@ -254,9 +259,9 @@ impl<H: Elements> Step<'_, H, f64> {
             let at = self.at(stage, state, state);
             for &(part, weight) in stage.parts {
                 if wanted.by_q {
-                    self.system.slopes::<f64, T>(part, weight, &at, wanted, into, none);
+                    self.system.gradient::<f64, T>(part, weight, &at, wanted, into, none);
                 } else {
-                    self.system.slopes::<f64, T>(part, weight, &at, wanted, none, into);
+                    self.system.gradient::<f64, T>(part, weight, &at, wanted, none, into);
                 }
             }
         }
@@ -294,11 +299,11 @@ fn damp<S: Scalar>(dp: &mut [S], p: &[S], decay: S) {
 /// [`slopes`] as a separate function: inlining loses the information that its lists do not overlap, which
 /// numbers of several parts need for speed.
 #[inline(never)]
-fn slopes_apart<H: Elements, S: Scalar>(
+fn gradient_outlined<H: Elements, S: Scalar>(
     system: &H,
     part: (usize, f64),
-    at: &Point<'_, S>,
-    wanted: Slopes,
+    at: &EvaluationPoint<'_, S>,
+    wanted: Partials,
     by_q: &mut [S],
     by_p: &mut [S],
     columns: &mut PairColumns,
@@ -306,23 +311,23 @@ fn slopes_apart<H: Elements, S: Scalar>(
     slopes(system, part, at, wanted, by_q, by_p, columns);
 }
 
-impl<S: Scalar> Lists<'_, S> {
+impl<S: Scalar> StepLists<'_, S> {
     /// Adds the increments of a step, `u` and `by_p`, to the state. All sums are computed before any is
     /// stored.
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if a sum is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn store<C: Carry<S>>(
+    pub(super) fn store<C: StateSum<S>>(
         &mut self,
         q: &mut [S],
         p: &mut [S],
         carry: &mut C,
     ) -> Result<(), StepFailure> {
-        let Lists { u, by_p: dp, stages, .. } = self;
+        let StepLists { u, by_p: dp, stages, .. } = self;
         let degrees = u.len();
         let (q, p) = (&mut q[..degrees], &mut p[..degrees]);
-        // The rounding errors of the sums overwrite the slopes and coordinates of a stage.
+        // The rounding errors of the sums overwrite the derivatives and coordinates of a stage.
         let (lost_q, lost_p) = stages.at_mut(0);
         let is_finite = if C::CARRIES {
             for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {

@@ -1,7 +1,7 @@
-//! The sums that the slopes of elements are added to.
+//! The sums that the derivatives of elements are added to.
 //!
 //! The loops of a system give the places and the values that a run of placements adds. The types here decide
-//! whether these go to a vector, to the part of a vector in a window, or directly to the new state.
+//! whether these go to a vector, to the part of a vector in a tile, or directly to the new state.
 
 use std::ops::{Index, Range};
 
@@ -9,12 +9,12 @@ use super::pairs::{Pair, Row, add_row};
 use crate::algebra::scalar::{Number, Scalar};
 
 /// Input numbers of elements by degree of freedom: all of them, or those of a stretch.
-pub trait Given<S>: Index<usize, Output = S> + Index<Range<usize>, Output = [S]> {
+pub trait ElementInput<S>: Index<usize, Output = S> + Index<Range<usize>, Output = [S]> {
     /// The degrees of freedom of the system.
     fn degrees(&self) -> usize;
 }
 
-impl<S> Given<S> for [S] {
+impl<S> ElementInput<S> for [S] {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn degrees(&self) -> usize {
         self.len()
@@ -26,11 +26,11 @@ pub trait Sums<S: Scalar> {
     /// Values of the variable of a loop.
     type Outer: Iterator<Item = isize>;
     /// Adjacent sums.
-    type Run<'r>: Run<S>
+    type Run<'r>: AdjacentSums<S>
     where
         Self: 'r;
     /// Adjacent sums, in points of `D` components.
-    type Points<'r, const D: usize>: Run<S>
+    type Points<'r, const D: usize>: AdjacentSums<S>
     where
         Self: 'r;
 
@@ -85,12 +85,12 @@ pub trait Sums<S: Scalar> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin_rows<const D: usize>(&mut self, _q: &[S]) {}
 
-    /// Adds the slopes by a body and its partners, see [`Pair`].
+    /// Adds the derivatives by a body and its partners, see [`Pair`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn row<
         T: Number<S>,
         K: Pair<O, D, M, F>,
-        V: Given<S> + ?Sized,
+        V: ElementInput<S> + ?Sized,
         const O: usize,
         const D: usize,
         const M: usize,
@@ -112,7 +112,7 @@ pub trait Sums<S: Scalar> {
 }
 
 /// Adjacent sums.
-pub trait Run<S: Scalar> {
+pub trait AdjacentSums<S: Scalar> {
     /// Adds to a place.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<S>>(&mut self, place: usize, value: T) {
@@ -134,31 +134,31 @@ pub fn stretch(low: isize, end: isize) -> (isize, usize) {
     (low, if low < end { (end - low) as usize } else { 0 })
 }
 
-/// How many of `len` placements may be taken together if their slopes are first added to the places from
-/// `first` on and then to those from `second` on, such that each place gets its slopes in the order of the
-/// placements.
+/// How many of `len` placements may be taken together if their derivatives are first added to the places from
+/// `first` on and then to those from `second` on, such that each place gets its derivatives in the order of
+/// the placements.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub fn apart(len: usize, first: usize, second: usize) -> usize {
+pub fn disjoint_placements(len: usize, first: usize, second: usize) -> usize {
     if second > first { len.min(second - first) } else { len }
 }
 
 /// All of a vector.
 impl<S: Scalar> Sums<S> for [S] {
     type Outer = Range<isize>;
-    type Run<'r> = Places<'r, S>;
-    type Points<'r, const D: usize> = Points<'r, S, D>;
+    type Run<'r> = VectorRun<'r, S>;
+    type Points<'r, const D: usize> = PointRun<'r, S, D>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {
         values
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run(&mut self, first: usize, len: usize) -> Places<'_, S> {
-        Places(&mut self[first..first + len])
+    fn run(&mut self, first: usize, len: usize) -> VectorRun<'_, S> {
+        VectorRun(&mut self[first..first + len])
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn points<const D: usize>(&mut self, first: usize, len: usize) -> Points<'_, S, D> {
-        Points(&mut self[first..first + D * len].as_chunks_mut::<D>().0[..len])
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> PointRun<'_, S, D> {
+        PointRun(&mut self[first..first + D * len].as_chunks_mut::<D>().0[..len])
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<S>>(&mut self, place: usize, value: T) {
@@ -167,12 +167,12 @@ impl<S: Scalar> Sums<S> for [S] {
 }
 
 /// Sums of a known number and one term, for a whole vector: `next[i] = base[i] + term`.
-pub(super) struct Onto<'a, S> {
+pub(super) struct OntoVector<'a, S> {
     pub(super) base: &'a [S],
     pub(super) next: &'a mut [S],
 }
 
-impl<S: Scalar> Sums<S> for Onto<'_, S> {
+impl<S: Scalar> Sums<S> for OntoVector<'_, S> {
     type Outer = Range<isize>;
     type Run<'r>
         = OntoRun<'r, S, 1>
@@ -214,7 +214,7 @@ impl<'r, S, const D: usize> OntoRun<'r, S, D> {
     }
 }
 
-impl<S: Scalar, const D: usize> Run<S> for OntoRun<'_, S, D> {
+impl<S: Scalar, const D: usize> AdjacentSums<S> for OntoRun<'_, S, D> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
         self.next[place][part] = (T::of(self.base[place][part]) + value).kept();
@@ -223,9 +223,9 @@ impl<S: Scalar, const D: usize> Run<S> for OntoRun<'_, S, D> {
 
 /// A stretch of a vector.
 #[derive(Debug)]
-pub struct Places<'r, S>(pub(super) &'r mut [S]);
+pub struct VectorRun<'r, S>(pub(super) &'r mut [S]);
 
-impl<S: Scalar> Run<S> for Places<'_, S> {
+impl<S: Scalar> AdjacentSums<S> for VectorRun<'_, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
         add_to(&mut self.0[place + part], value);
@@ -234,9 +234,9 @@ impl<S: Scalar> Run<S> for Places<'_, S> {
 
 /// Points of a vector.
 #[derive(Debug)]
-pub struct Points<'r, S, const D: usize>(pub(super) &'r mut [[S; D]]);
+pub struct PointRun<'r, S, const D: usize>(pub(super) &'r mut [[S; D]]);
 
-impl<S: Scalar, const D: usize> Run<S> for Points<'_, S, D> {
+impl<S: Scalar, const D: usize> AdjacentSums<S> for PointRun<'_, S, D> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
         add_to(&mut self.0[place][part], value);

@@ -1,13 +1,13 @@
 //! The discrete Lagrangian of a step with internal stages.
 
 use super::Field;
-use super::advance::{Friction, Prepared, PreparedOf};
-use super::kept::{Memory, MemoryOf};
+use super::advance::{FrictionScaling, GaussConstants, GaussConstantsOf};
+use super::memory::{GaussMemory, GaussMemoryOf};
 use super::stages::Stages;
-use crate::algebra::carry::Plain;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::stages::minus;
 use crate::algebra::state::Vector;
+use crate::algebra::state_sum::PlainSum;
 use crate::scheme::elements::PairColumns;
 use crate::scheme::system::{Hamiltonian as _, Segment};
 
@@ -16,7 +16,7 @@ use crate::scheme::system::{Hamiltonian as _, Segment};
 /// compositions. NaN where the step has no solution.
 pub(super) fn value<F: Field, const N: usize>(
     system: &F,
-    Prepared { parameters, friction, common }: &PreparedOf<F, f64, N>,
+    GaussConstants { parameters, friction, common }: &GaussConstantsOf<F, f64, N>,
     segment: &Segment<F::Vector>,
     dw: &[f64],
 ) -> f64 {
@@ -26,13 +26,13 @@ pub(super) fn value<F: Field, const N: usize>(
     if !fits || system.check(degrees).is_err() {
         return f64::NAN;
     }
-    let mut memory = MemoryOf::<F, f64, N>::default();
+    let mut memory = GaussMemoryOf::<F, f64, N>::default();
     memory.fit(degrees, dw.len());
     let table = common.table();
-    let Memory { mut given, mut lists, mut left } = memory;
-    given.read(common, q, p, dw, &Plain);
+    let GaussMemory { mut given, mut lists, mut left } = memory;
+    given.read(common, q, p, dw, &PlainSum);
     let step = given.step(system, (parameters, friction, common), [segment.t, segment.h]);
-    if step.solve::<true>(&mut lists, &mut left).is_err() || !step.finish([q, p], dw, &mut lists, &Plain) {
+    if step.solve::<true>(&mut lists, &mut left).is_err() || !step.finish([q, p], dw, &mut lists, &PlainSum) {
         return f64::NAN;
     }
     // The momenta of the stages, eliminated in the Nyström form: `P_i = p - Σ_j a_ij ∂F/∂q (j)`.
@@ -43,12 +43,12 @@ pub(super) fn value<F: Field, const N: usize>(
     let mut action = 0.0;
     for i in 0..N {
         let own_q: Vec<f64> = lists.at[0].as_ref().iter().map(|stage| stage.get(i)).collect();
-        let Friction { scale, inverse, .. } = friction;
+        let FrictionScaling { scale, inverse, .. } = friction;
         let own_p: Vec<f64> = momenta.iter().map(|stage| stage.get(i) * inverse[i]).collect();
         let (mut by_q, mut by_p) = (vec![0.0; degrees], vec![0.0; degrees]);
         let t = segment.t + table.c[i] * segment.h;
         let (at, into) = (([t, segment.h], [&own_q[..], &own_p], dw), [&mut by_q[..], &mut by_p]);
-        system.step_slopes::<f64, f64, false, true>(parameters, at, into, &mut PairColumns::default());
+        system.step_gradient::<f64, f64, false, true>(parameters, at, into, &mut PairColumns::default());
         let pairing: f64 = own_p.iter().zip(&by_p).map(|(p, v)| p * v).sum();
         let drift = segment.h * system.evaluate(0, &own_q, &own_p, t);
         let noise = dw.iter().enumerate().map(|(k, dw)| dw * system.evaluate(k + 1, &own_q, &own_p, t));

@@ -1,45 +1,48 @@
 //! The step of a Gauss method.
 
 use super::Field;
-use super::kept::{Given, GivenOf, LeftOf, Lists, Memory, MemoryOf};
-use super::stiff::Modes;
-use super::sweep::Solved;
-use super::table::Table;
-use crate::algebra::carry::Carry;
+use super::memory::{GaussHistoryOf, GaussInput, GaussInputOf, GaussMemory, GaussMemoryOf, StageLists};
+use super::stiff::StiffModes;
+use super::sweep::StepOutcome;
+use super::tableau::Tableau;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-use crate::algebra::scalar::{Constant, Of, Over, Parameters, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, ConstantsIn, Parameters, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
+use crate::algebra::state_sum::StateSum;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::system::{At, Hamiltonian as _, Lift, check_lengths, no_nan, varied_without_lists};
+use crate::scheme::system::{
+    Hamiltonian as _, LiftParameter, StepArguments, check_lengths, no_nan, varied_without_lists,
+};
 
 /// The constants for one step size, with the parameters `P` of a system.
 #[derive(Clone, Debug)]
-pub struct Prepared<P, const N: usize, K = f64> {
+pub struct GaussConstants<P, const N: usize, K = f64> {
     pub(super) parameters: P,
-    pub(super) friction: Friction<N, K>,
-    pub(super) common: Common<N>,
+    pub(super) friction: FrictionScaling<N, K>,
+    pub(super) common: SharedConstants<N>,
 }
 
 /// The constants that systems in lanes have in common.
 #[derive(Clone, Debug)]
-pub(super) struct Common<const N: usize> {
-    table: Table<N>,
+pub(super) struct SharedConstants<const N: usize> {
+    table: Tableau<N>,
     /// The linear part of a stiff force. It affects the convergence of sweeps, not their result, and so
     /// carries no derivatives.
-    modes: Option<Modes<N>>,
+    modes: Option<StiffModes<N>>,
     /// Friction that is part of the step.
     instructions: InstructionSet,
 }
 
 /// The constants of a system.
-pub(super) type PreparedOf<F, K, const N: usize> = Prepared<Of<<F as Field>::Parameters, K>, N, K>;
+pub(super) type GaussConstantsOf<F, K, const N: usize> =
+    GaussConstants<ConstantsIn<<F as Field>::Parameters, K>, N, K>;
 
 /// Friction of a rate `γ` in the momentum `π = e^{γ τ} p`, `τ` after the start of the step, for which
 /// `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Friction<const N: usize, K = f64> {
+pub(super) struct FrictionScaling<const N: usize, K = f64> {
     /// `e^{γ c_i h}`
     pub(super) scale: [K; N],
     /// `e^{-γ c_i h}`
@@ -48,8 +51,8 @@ pub(super) struct Friction<const N: usize, K = f64> {
     pub(super) decay: K,
 }
 
-impl<const N: usize, K: Constant> Friction<N, K> {
-    fn new(rate: K, table: &Table<N>, h: K) -> Self {
+impl<const N: usize, K: Constant> FrictionScaling<N, K> {
+    fn new(rate: K, table: &Tableau<N>, h: K) -> Self {
         let exponents = table.c.map(|c| rate * c * h);
         Self {
             scale: exponents.map(K::exp),
@@ -59,9 +62,9 @@ impl<const N: usize, K: Constant> Friction<N, K> {
     }
 
     /// The factors of one lane.
-    pub(super) fn lane(&self, lane: usize) -> Friction<N> {
+    pub(super) fn lane(&self, lane: usize) -> FrictionScaling<N> {
         let [scale, inverse] = [self.scale, self.inverse].map(|list| list.map(|factor| factor.lane(lane)));
-        Friction { scale, inverse, decay: self.decay.lane(lane) }
+        FrictionScaling { scale, inverse, decay: self.decay.lane(lane) }
     }
 }
 
@@ -71,38 +74,38 @@ impl<const N: usize, K: Constant> Friction<N, K> {
 /// [`ConfigError::Parameter`] if a parameter is not a number.
 pub(super) fn prepare<F: Field, K: Constant, const N: usize>(
     system: &F,
-    lift: Lift<'_, K>,
+    lift: LiftParameter<'_, K>,
     h: K,
-) -> Result<PreparedOf<F, K, N>, ConfigError> {
+) -> Result<GaussConstantsOf<F, K, N>, ConfigError> {
     no_nan(system)?;
-    let table = Table::get();
+    let table = Tableau::get();
     let parameters = system.parameters(lift);
-    let modes = Modes::new(system, &F::Parameters::lane(&parameters, 0), &table, h.lane(0));
+    let modes = StiffModes::new(system, &F::Parameters::lane(&parameters, 0), &table, h.lane(0));
     let rate = match F::FACTS.kind.is_conformal {
         true => system.friction_rate(&varied_without_lists(system, lift)?),
         false => K::from_f64(0.0),
     };
-    let friction = Friction::new(rate, &table, h);
-    let common = Common { table, modes, instructions: InstructionSet::best() };
-    Ok(Prepared { parameters, friction, common })
+    let friction = FrictionScaling::new(rate, &table, h);
+    let common = SharedConstants { table, modes, instructions: InstructionSet::best() };
+    Ok(GaussConstants { parameters, friction, common })
 }
 
 /// The constants of systems in lanes; `None` if friction or a stiff force makes them differ between systems.
 pub(super) fn gather<F: Field, const L: usize, const N: usize>(
-    prepared: [&PreparedOf<F, f64, N>; L],
-) -> Option<PreparedOf<F, Lanes<L>, N>> {
+    prepared: [&GaussConstantsOf<F, f64, N>; L],
+) -> Option<GaussConstantsOf<F, Lanes<L>, N>> {
     if F::FACTS.kind.is_conformal || prepared.iter().any(|prepared| prepared.common.modes.is_some()) {
         return None;
     }
     let parameters = super::gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
     let common = prepared.first()?.common.clone();
-    let none = Friction::new(Lanes::from_f64(0.0), common.table(), Lanes::from_f64(0.0));
-    Some(Prepared { parameters, friction: none, common })
+    let none = FrictionScaling::new(Lanes::from_f64(0.0), common.table(), Lanes::from_f64(0.0));
+    Some(GaussConstants { parameters, friction: none, common })
 }
 
 /// The memory of a new stepper, allocated in full if the system knows its size.
-pub(super) fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, F::Noises, N> {
-    let mut memory = Memory::default();
+pub(super) fn memory<F: Field, const N: usize>(system: &F) -> GaussMemory<f64, F::Shape, F::Noises, N> {
+    let mut memory = GaussMemory::default();
     let degrees = system.degrees();
     if degrees != 0 && system.check(degrees).is_ok() {
         memory.fit(degrees, system.noises());
@@ -122,11 +125,22 @@ pub(super) fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Sha
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::NonFinite`], or where sizes do not fit.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn advance<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREFUL: bool>(
+pub(super) fn advance<
+    F: Field,
+    K: Constant,
+    S: ComputesWith<K>,
+    C: StateSum<S>,
+    const N: usize,
+    const CAREFUL: bool,
+>(
     system: &F,
-    (parameters, friction, common): (&Of<F::Parameters, K>, &Friction<N, K>, &Common<N>),
-    At { t, h, q, p, dw }: At<'_, S, K>,
-    memory: &mut MemoryOf<F, S, N>,
+    (parameters, friction, common): (
+        &ConstantsIn<F::Parameters, K>,
+        &FrictionScaling<N, K>,
+        &SharedConstants<N>,
+    ),
+    StepArguments { t, h, q, p, dw }: StepArguments<'_, S, K>,
+    memory: &mut GaussMemoryOf<F, S, N>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.len();
@@ -136,19 +150,19 @@ pub(super) fn advance<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: u
         memory.fit(degrees, dw.len());
     }
     let step =
-        ToTake::<F, K, S, C, N, CAREFUL> { system, parameters, friction, common, t, h, q, p, dw, carry };
-    let run = Run { step, memory };
+        GaussStep::<F, K, S, C, N, CAREFUL> { system, parameters, friction, common, t, h, q, p, dw, carry };
+    let run = GaussStepWithMemory { step, memory };
     // Numbers other than `f64` are scalar or are vectors already; careful steps are not compiled for each
     // instruction set.
-    if size_of::<S>() == size_of::<f64>() && !S::IS_BESIDE && !CAREFUL {
+    if size_of::<S>() == size_of::<f64>() && !S::LANES_ARE_PATHS && !CAREFUL {
         common.instructions.run(run)
     } else {
         run.run::<1, 1>()
     }
 }
 
-impl<const N: usize> Common<N> {
-    pub(super) fn table(&self) -> &Table<N> {
+impl<const N: usize> SharedConstants<N> {
+    pub(super) fn table(&self) -> &Tableau<N> {
         &self.table
     }
 
@@ -156,17 +170,17 @@ impl<const N: usize> Common<N> {
         self.instructions
     }
 
-    pub(super) fn modes(&self) -> Option<&Modes<N>> {
+    pub(super) fn modes(&self) -> Option<&StiffModes<N>> {
         self.modes.as_ref()
     }
 }
 
 /// A step to take.
-struct ToTake<'a, F: Field, K: Constant, S, C, const N: usize, const CAREFUL: bool> {
+struct GaussStep<'a, F: Field, K: Constant, S, C, const N: usize, const CAREFUL: bool> {
     system: &'a F,
-    parameters: &'a Of<F::Parameters, K>,
-    friction: &'a Friction<N, K>,
-    common: &'a Common<N>,
+    parameters: &'a ConstantsIn<F::Parameters, K>,
+    friction: &'a FrictionScaling<N, K>,
+    common: &'a SharedConstants<N>,
     t: K,
     h: K,
     q: &'a mut [S],
@@ -176,25 +190,25 @@ struct ToTake<'a, F: Field, K: Constant, S, C, const N: usize, const CAREFUL: bo
 }
 
 /// A step to take, with its memory.
-struct Run<'a, F: Field, K: Constant, S: Scalar, C, const N: usize, const CAREFUL: bool> {
-    step: ToTake<'a, F, K, S, C, N, CAREFUL>,
-    memory: &'a mut MemoryOf<F, S, N>,
+struct GaussStepWithMemory<'a, F: Field, K: Constant, S: Scalar, C, const N: usize, const CAREFUL: bool> {
+    step: GaussStep<'a, F, K, S, C, N, CAREFUL>,
+    memory: &'a mut GaussMemoryOf<F, S, N>,
 }
 
-impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREFUL: bool> Kernel
-    for Run<'_, F, K, S, C, N, CAREFUL>
+impl<F: Field, K: Constant, S: ComputesWith<K>, C: StateSum<S>, const N: usize, const CAREFUL: bool> Kernel
+    for GaussStepWithMemory<'_, F, K, S, C, N, CAREFUL>
 {
     type Output = Result<Effort, StepFailure>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
-        let Memory { left, given, lists } = self.memory;
-        if S::IS_BESIDE {
+        let GaussMemory { left, given, lists } = self.memory;
+        if S::LANES_ARE_PATHS {
             // They exceed the registers, and so remain in memory.
             return self.step.take(given, lists, left);
         }
-        let mut own_given = F::Shape::lend(given, Given::of_length(0, 0));
-        let mut own_lists = F::Shape::lend(lists, Lists::of_length(0));
+        let mut own_given = F::Shape::lend(given, GaussInput::of_length(0, 0));
+        let mut own_lists = F::Shape::lend(lists, StageLists::of_length(0));
         let taken = self.step.take(&mut own_given, &mut own_lists, left);
         F::Shape::give_back(lists, own_lists);
         F::Shape::give_back(given, own_given);
@@ -202,31 +216,31 @@ impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREF
     }
 }
 
-impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREFUL: bool>
-    ToTake<'_, F, K, S, C, N, CAREFUL>
+impl<F: Field, K: Constant, S: ComputesWith<K>, C: StateSum<S>, const N: usize, const CAREFUL: bool>
+    GaussStep<'_, F, K, S, C, N, CAREFUL>
 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take(
         self,
-        given: &mut GivenOf<F, S, N>,
-        lists: &mut Lists<S, F::Shape, N>,
-        left: &mut LeftOf<F, S, N>,
+        given: &mut GaussInputOf<F, S, N>,
+        lists: &mut StageLists<S, F::Shape, N>,
+        left: &mut GaussHistoryOf<F, S, N>,
     ) -> Result<Effort, StepFailure> {
         let Self { system, parameters, friction, common, t, h, q, p, dw, carry } = self;
         given.read(common, q, p, dw, carry);
         let step = given.step(system, (parameters, friction, common), [t, h]);
-        let solved = if S::IS_BESIDE && !C::CARRIES && !CAREFUL {
-            step.solve_beside([q, p], dw, lists, left)
+        let solved = if S::LANES_ARE_PATHS && !C::CARRIES && !CAREFUL {
+            step.solve_lanes([q, p], dw, lists, left)
         } else {
-            step.solve_together::<C, CAREFUL>([q, p], dw, lists, left, carry)
+            step.solve_stages::<C, CAREFUL>([q, p], dw, lists, left, carry)
         };
-        let Solved { effort, waits } = solved?;
+        let StepOutcome { effort, waits } = solved?;
         left.waits = waits;
-        // With noise the slopes do not predict the next step, but the dense output of a single path needs
-        // them.
-        if !S::IS_BESIDE || dw.is_empty() {
+        // With noise the derivatives do not predict the next step, but the dense output of a single path
+        // needs them.
+        if !S::LANES_ARE_PATHS || dw.is_empty() {
             let [by_p, by_q] = &mut left.past;
-            if !S::IS_BESIDE || !F::IS_NYSTROM {
+            if !S::LANES_ARE_PATHS || !F::IS_NYSTROM {
                 std::mem::swap(by_p, &mut lists.slopes[0]);
             }
             std::mem::swap(by_q, &mut lists.slopes[1]);

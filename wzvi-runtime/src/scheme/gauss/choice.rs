@@ -3,14 +3,15 @@
 //! Costs are numbers of operations that follow from the number of stages and of unknowns, and never measured
 //! times: the same steps are taken on every machine, in lanes, and after a restart. With `u = N K d` unknowns
 //! (`N` stages, `K` halves of the phase space, `d` degrees of freedom), and `s = 10 d` operations for the
-//! slopes at one stage,
+//! derivatives at one stage,
 //!
 //! ```text
 //! sweep:      N (s + K N d), of which four at a time go in vector instructions
 //! iteration:  N K d (8 s) for the second derivatives, K² N² d² to add them up, u³/3 + 2 u² to solve
 //! ```
 //!
-//! The slopes cancel from the ratio where they cost most. A step of Newton's method takes three iterations.
+//! The derivatives cancel from the ratio where they cost most. A step of Newton's method takes three
+//! iterations.
 //!
 //! A step starts with sweeps. Newton's method replaces them as soon as their measured contraction says that
 //! it finishes with fewer operations. If these sweeps were a considerable part of the step, the next steps
@@ -19,7 +20,7 @@
 use crate::algebra::scalar::Scalar;
 use crate::ground::numbers::numbers;
 
-/// Operations for the slopes at one stage, per degree of freedom.
+/// Operations for the derivatives at one stage, per degree of freedom.
 const SLOPES: f64 = 10.0;
 /// Operations for a slope and its derivatives, without vector instructions, in operations for the slope.
 const SECOND_DERIVATIVES: f64 = 8.0;
@@ -58,7 +59,7 @@ pub(super) fn is_factored_once(size: [usize; 3], derivatives: usize, carried: us
     let (slopes, unknowns) = (SLOPES * d, n * k * d);
     let numbers = derivatives.div_ceil(carried.max(1)) as f64 * (1.0 + carried as f64);
     let sweep = numbers * n * (slopes + k * n * d);
-    // One sweep makes the right-hand sides, and one takes the slopes at the stages.
+    // One sweep makes the right-hand sides, and one takes the derivatives at the stages.
     let hessian = unknowns * 2.0 * slopes + unknowns * unknowns;
     let by_factors =
         2.0 * sweep + hessian + unknowns * unknowns * (unknowns / 3.0 + 2.0 * derivatives as f64);
@@ -82,14 +83,14 @@ pub(super) fn finish(most: f64, [before, change]: [f64; 2], goal: f64) -> bool {
 
 /// How many further steps start with Newton's method: of each path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Waits<S> {
+pub(super) struct NewtonBackoff<S> {
     /// Further steps.
     pub(super) steps: S,
     /// Steps that followed the last sweeps that were given up.
     pub(super) last: S,
 }
 
-impl<S: Scalar> Waits<S> {
+impl<S: Scalar> NewtonBackoff<S> {
     /// Sweeps come first.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn none() -> Self {
@@ -103,18 +104,18 @@ impl<S: Scalar> Waits<S> {
     }
 
     /// The steps of one path.
-    pub(super) fn lane(self, lane: usize) -> Waits<f64> {
-        Waits { steps: self.steps.lane(lane), last: self.last.lane(lane) }
+    pub(super) fn lane(self, lane: usize) -> NewtonBackoff<f64> {
+        NewtonBackoff { steps: self.steps.lane(lane), last: self.last.lane(lane) }
     }
 
     /// With those of one path in its lanes.
-    pub(super) fn with(self, lanes: S::Mask, own: Waits<f64>) -> Self {
+    pub(super) fn with(self, lanes: S::Mask, own: NewtonBackoff<f64>) -> Self {
         let [steps, last] = [own.steps, own.last].map(S::from_f64);
         Self { steps: S::select(lanes, steps, self.steps), last: S::select(lanes, last, self.last) }
     }
 }
 
-impl<S: Scalar> Waits<S> {
+impl<S: Scalar> NewtonBackoff<S> {
     /// After a step that started with Newton's method, of one path.
     pub(super) fn after_newton(self) -> Self {
         Self { steps: S::from_f64((self.steps.lane(0) - 1.0).max(0.0)), ..self }
@@ -128,7 +129,7 @@ impl<S: Scalar> Waits<S> {
     }
 }
 
-numbers! { impl[S: Scalar] Numbers for Waits<S> { kept: steps, last } }
+numbers! { impl[S: Scalar] Numbers for NewtonBackoff<S> { kept: steps, last } }
 
 #[cfg(test)]
 mod tests {
@@ -163,8 +164,8 @@ mod tests {
     /// Sweeps that cost little are tried in every step; dear ones soon in one of many.
     #[test]
     fn waits_follow_the_cost_of_sweeps_in_vain() {
-        assert!(!Waits::<f64>::none().after_giving_up(6, 100.0).prefer_newton());
-        let mut waits = Waits::<f64>::none();
+        assert!(!NewtonBackoff::<f64>::none().after_giving_up(6, 100.0).prefer_newton());
+        let mut waits = NewtonBackoff::<f64>::none();
         let mut lengths = Vec::new();
         for _ in 0..6 {
             waits = waits.after_giving_up(80, 100.0);

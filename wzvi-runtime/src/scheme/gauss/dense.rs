@@ -1,4 +1,4 @@
-//! The collocation polynomial of a Gauss method, from the slopes at its stages.
+//! The collocation polynomial of a Gauss method, from the derivatives at its stages.
 //!
 //! The polynomial `u` of degree `S` with `u'(c_i) = J∇F(U_i)` has `u' = Σ_k a_k P_k(2θ - 1)` with
 //! `a_k = (2k + 1) Σ_i b_i P_k(2c_i - 1) J∇F(U_i)`: the quadrature is exact for products of two such
@@ -13,12 +13,12 @@
 //! ```
 
 use super::Field;
-use super::advance::{Prepared, PreparedOf};
-use super::kept::Memory;
+use super::advance::{GaussConstants, GaussConstantsOf};
+use super::memory::GaussMemory;
 use super::stages::Stages;
-use crate::algebra::scalar::Of;
+use crate::algebra::scalar::ConstantsIn;
 use crate::algebra::state::{State, Vector};
-use crate::scheme::dense::{Slopes, hermite_order};
+use crate::scheme::dense::{RateCoefficients, hermite_order};
 use crate::scheme::elements::PairColumns;
 use crate::scheme::plan::Plan;
 
@@ -28,15 +28,15 @@ pub(super) const fn dense_order(stages: u32, plan: &Plan) -> u32 {
     if stages == 1 { hermite_order(plan) } else { stages + 1 }
 }
 
-/// The slopes of the collocation polynomial of the last step.
+/// The derivatives of the collocation polynomial of the last step.
 pub(super) fn slopes_between<F: Field, const N: usize>(
     system: &F,
-    Prepared { parameters, common, .. }: &PreparedOf<F, f64, N>,
-    memory: &Memory<f64, F::Shape, F::Noises, N>,
+    GaussConstants { parameters, common, .. }: &GaussConstantsOf<F, f64, N>,
+    memory: &GaussMemory<f64, F::Shape, F::Noises, N>,
     before: &State<F::Vector>,
     h: f64,
     dw: &[f64],
-    slopes: &mut Slopes,
+    slopes: &mut RateCoefficients,
 ) {
     let [by_p, by_q] = &memory.left.past;
     let (by_p, by_q) = (by_p.as_ref(), by_q.as_ref());
@@ -66,11 +66,11 @@ pub(super) fn slopes_between<F: Field, const N: usize>(
 /// The coefficients of the coordinates from those of the momenta.
 fn drift<F: Field>(
     system: &F,
-    parameters: &Of<F::Parameters, f64>,
+    parameters: &ConstantsIn<F::Parameters, f64>,
     before: &State<F::Vector>,
     h: f64,
     dw: &[f64],
-    slopes: &mut Slopes,
+    slopes: &mut RateCoefficients,
 ) {
     let (q, p) = (before.q.components(), before.p.components());
     let (degrees, rows) = (q.len(), slopes.rows());
@@ -84,7 +84,7 @@ fn drift<F: Field>(
             *momentum = before - after;
         }
         let (at, into) = (([before.t, h], [q, &momenta], dw), [&mut spare[..], &mut of_q]);
-        system.step_slopes::<f64, f64, false, true>(parameters, at, into, &mut PairColumns::default());
+        system.step_gradient::<f64, f64, false, true>(parameters, at, into, &mut PairColumns::default());
         for (d, slope) in of_q.iter().enumerate() {
             slopes.of_mut(d)[k] = *slope;
         }

@@ -1,21 +1,21 @@
 //! The equations of a step, `Y = φ(Y)`, and the state that follows from their solution.
 
 use super::Field;
-use super::advance::{Common, Friction};
-use super::kept::{Given, Lists, OfStages, Room};
-use super::stages::{Part, Parts, Stages};
-use super::sweep::Relative;
-use crate::algebra::carry::Carry;
-use crate::algebra::scalar::{Constant, Of, Over, Scalar};
+use super::advance::{FrictionScaling, SharedConstants};
+use super::memory::{GaussInput, OfStages, StageLists, SweepScratchOf};
+use super::stages::{PackedStages, StagePack, Stages};
+use super::sweep::RelativeChange;
+use crate::algebra::scalar::{ComputesWith, Constant, ConstantsIn, Scalar};
 use crate::algebra::shape::Shape;
+use crate::algebra::state_sum::StateSum;
 use crate::scheme::elements::PairColumns;
 
 /// The equations of a step.
-pub(super) struct Step<'a, F: Field, K: Constant, S: Scalar, const N: usize> {
+pub(super) struct StepEquations<'a, F: Field, K: Constant, S: Scalar, const N: usize> {
     pub(super) system: &'a F,
-    pub(super) parameters: &'a Of<F::Parameters, K>,
-    pub(super) friction: &'a Friction<N, K>,
-    pub(super) common: &'a Common<N>,
+    pub(super) parameters: &'a ConstantsIn<F::Parameters, K>,
+    pub(super) friction: &'a FrictionScaling<N, K>,
+    pub(super) common: &'a SharedConstants<N>,
     pub(super) t: K,
     pub(super) h: K,
     /// `b_i ΔW_k`
@@ -24,10 +24,17 @@ pub(super) struct Step<'a, F: Field, K: Constant, S: Scalar, const N: usize> {
     pub(super) start: [&'a [S]; 2],
 }
 
-impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> GaussInput<S, H, W, N> {
     /// Reads the data of a step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn read<C: Carry<S>>(&mut self, common: &Common<N>, q: &[S], p: &[S], dw: &[S], carry: &C) {
+    pub(super) fn read<C: StateSum<S>>(
+        &mut self,
+        common: &SharedConstants<N>,
+        q: &[S],
+        p: &[S],
+        dw: &[S],
+        carry: &C,
+    ) {
         let Self { start: [start_q, start_p], dw: weighted } = self;
         for (d, (start, q)) in start_q.as_mut().iter_mut().zip(q).enumerate() {
             *start = *q + carry.of_coordinate(d);
@@ -45,15 +52,19 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
     pub(super) fn step<'a, F: Field, K: Constant>(
         &'a self,
         system: &'a F,
-        (parameters, friction, common): (&'a Of<F::Parameters, K>, &'a Friction<N, K>, &'a Common<N>),
+        (parameters, friction, common): (
+            &'a ConstantsIn<F::Parameters, K>,
+            &'a FrictionScaling<N, K>,
+            &'a SharedConstants<N>,
+        ),
         [t, h]: [K; 2],
-    ) -> Step<'a, F, K, S, N> {
+    ) -> StepEquations<'a, F, K, S, N> {
         let start = [self.start[0].as_ref(), self.start[1].as_ref()];
-        Step { system, parameters, friction, common, t, h, dw: self.dw.as_ref(), start }
+        StepEquations { system, parameters, friction, common, t, h, dw: self.dw.as_ref(), start }
     }
 }
 
-/// The stages to compute, and the slopes that determine them.
+/// The stages to compute, and the derivatives that determine them.
 pub(super) struct Placement<'a, T> {
     /// `q` and `p` of the stages.
     pub(super) at: [&'a mut [T]; 2],
@@ -63,11 +74,11 @@ pub(super) struct Placement<'a, T> {
     pub(super) by_q: Option<&'a [T]>,
 }
 
-impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
+impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> StepEquations<'_, F, K, S, N> {
     /// A part times a constant for each stage. Where constants are not `f64`, a part is one stage.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn weighted(numbers: Part<S, N>, weights: &[K; N], part: usize) -> Part<S, N> {
-        match K::plain(weights).and_then(<[f64]>::first_chunk) {
+    fn weighted(numbers: StagePack<S, N>, weights: &[K; N], part: usize) -> StagePack<S, N> {
+        match K::as_f64s(weights).and_then(<[f64]>::first_chunk) {
             Some(weights) => S::Stages::weighted(numbers, weights, part),
             None => numbers * S::Stages::<N>::same(S::constant(weights[part])),
         }
@@ -75,7 +86,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
 
     /// `t + c_i h` for the stages of a part.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn times(&self, part: usize) -> Part<S, N> {
+    fn times(&self, part: usize) -> StagePack<S, N> {
         let (t, h) = (S::constant(self.t), S::constant(self.h));
         let (t, h) = (S::Stages::<N>::same(t), S::Stages::<N>::same(h));
         S::Stages::weighted(h, &self.common.table().c, part) + t
@@ -83,20 +94,20 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
 
     /// `h b_i` for the stages of a part.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn weights(&self, part: usize) -> Part<S, N> {
+    fn weights(&self, part: usize) -> StagePack<S, N> {
         let h = S::Stages::<N>::same(S::constant(self.h));
         S::Stages::weighted(h, &self.common.table().b, part)
     }
 
-    /// Computes stages from slopes at the same or other stages, by the columns of `once` (integrals of the
-    /// slopes) or, in Nyström form, `twice` (double integrals). `seen` sees each replacement.
+    /// Computes stages from derivatives at the same or other stages, by the columns of `once` (integrals of
+    /// the derivatives) or, in Nyström form, `twice` (double integrals). `seen` sees each replacement.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn place(
         &self,
         into: Placement<'_, S::Stages<N>>,
         [once, twice]: [&[[f64; N]; N]; 2],
-        room: &mut Room<F, S, N>,
-        mut seen: Option<&mut Relative<'_, S, N>>,
+        room: &mut SweepScratchOf<F, S, N>,
+        mut seen: Option<&mut RelativeChange<'_, S, N>>,
     ) {
         if F::IS_NYSTROM {
             self.place_coordinates(into, twice, room, seen);
@@ -114,8 +125,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                     None => [start_q, start_p],
                 };
                 if let Some(seen) = &mut seen {
-                    seen.see(0, d, q[d].part(part), next_q);
-                    seen.see(1, d, p[d].part(part), next_p);
+                    seen.include(0, d, q[d].part(part), next_q);
+                    seen.include(1, d, p[d].part(part), next_p);
                 }
                 q[d].set_part(part, next_q);
                 p[d].set_part(part, next_p);
@@ -130,11 +141,11 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         &self,
         into: Placement<'_, S::Stages<N>>,
         twice: &[[f64; N]; N],
-        room: &mut Room<F, S, N>,
-        mut seen: Option<&mut Relative<'_, S, N>>,
+        room: &mut SweepScratchOf<F, S, N>,
+        mut seen: Option<&mut RelativeChange<'_, S, N>>,
     ) {
         let Placement { at: [q, p], by_p, by_q } = into;
-        let mut rooms = F::Shape::lend(&mut room.parts, Parts::of_length(0, 0));
+        let mut rooms = F::Shape::lend(&mut room.parts, PackedStages::of_length(0, 0));
         let h = S::Stages::<N>::same(S::constant(self.h));
         for part in 0..S::Stages::<N>::PARTS {
             let momenta = S::Stages::parts_mut(p, rooms.p.as_mut());
@@ -149,11 +160,11 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             let dw = S::Stages::parts(self.dw, part, rooms.dw.as_mut());
             let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
             let (t, one) = (self.times(part), &mut room.one);
-            self.slopes::<false, true>(([t, h], [momenta, momenta], dw), [&mut [], velocities], one);
+            self.gradient::<false, true>(([t, h], [momenta, momenta], dw), [&mut [], velocities], one);
             for (d, (stages, velocity)) in q.iter_mut().zip(&*velocities).enumerate() {
                 let next = S::Stages::<N>::same(self.start[0][d]) + *velocity;
                 if let Some(seen) = &mut seen {
-                    seen.see(0, d, stages.part(part), next);
+                    seen.include(0, d, stages.part(part), next);
                 }
                 stages.set_part(part, next);
             }
@@ -161,16 +172,16 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         F::Shape::give_back(&mut room.parts, rooms);
     }
 
-    /// The starting stages: extrapolated from the slopes of the last step, or those of the state.
+    /// The starting stages: extrapolated from the derivatives of the last step, or those of the state.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn guess(
         &self,
-        lists: &mut Lists<S, F::Shape, N>,
+        lists: &mut StageLists<S, F::Shape, N>,
         past: &mut [OfStages<S, F::Shape, N>; 2],
-        room: &mut Room<F, S, N>,
+        room: &mut SweepScratchOf<F, S, N>,
         from_past: bool,
     ) {
-        let Lists { at: [q, p], slopes: [velocity, _], .. } = lists;
+        let StageLists { at: [q, p], slopes: [velocity, _], .. } = lists;
         let [by_p, by_q] = past;
         let by_p = if F::IS_NYSTROM { velocity } else { by_p };
         let into = Placement {
@@ -181,12 +192,17 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         self.place(into, [&self.common.table().nu, &self.common.table().kappa], room, None);
     }
 
-    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages, except for paths that keep their slopes.
+    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages, except for paths that keep their derivatives.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn field(&self, lists: &mut Lists<S, F::Shape, N>, room: &mut Room<F, S, N>, stay: S::Mask) {
-        let Lists { at: [q, p], slopes: [by_p, by_q], spare, .. } = lists;
+    pub(super) fn field(
+        &self,
+        lists: &mut StageLists<S, F::Shape, N>,
+        room: &mut SweepScratchOf<F, S, N>,
+        stay: S::Mask,
+    ) {
+        let StageLists { at: [q, p], slopes: [by_p, by_q], spare, .. } = lists;
         let (q, p, by_p, by_q) = (q.as_ref(), p.as_ref(), by_p.as_mut(), by_q.as_mut());
-        let mut rooms = F::Shape::lend(&mut room.parts, Parts::of_length(0, 0));
+        let mut rooms = F::Shape::lend(&mut room.parts, PackedStages::of_length(0, 0));
         for part in 0..S::Stages::<N>::PARTS {
             let (t, h) = (self.times(part), self.weights(part));
             let q = S::Stages::parts(q, part, rooms.q.as_mut());
@@ -194,7 +210,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             let forces = S::Stages::parts_mut(by_q, rooms.by_q.as_mut());
             if F::IS_NYSTROM {
                 let one = &mut room.one;
-                self.slopes::<true, false>(([t, h], [q, q], dw), [forces, &mut []], one);
+                self.gradient::<true, false>(([t, h], [q, q], dw), [forces, &mut []], one);
             } else {
                 let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
                 let one = &mut room.one;
@@ -203,13 +219,13 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                     for (own, p) in own.iter_mut().zip(p) {
                         *own = Self::weighted(p.part(part), &self.friction.inverse, part);
                     }
-                    self.slopes::<true, true>(([t, h], [q, own], dw), [forces, velocities], one);
+                    self.gradient::<true, true>(([t, h], [q, own], dw), [forces, velocities], one);
                     for force in &mut *forces {
                         *force = Self::weighted(*force, &self.friction.scale, part);
                     }
                 } else {
                     let p = S::Stages::parts(p, part, rooms.p.as_mut());
-                    self.slopes::<true, true>(([t, h], [q, p], dw), [forces, velocities], one);
+                    self.gradient::<true, true>(([t, h], [q, p], dw), [forces, velocities], one);
                 }
                 S::Stages::store(by_p, part, rooms.by_p.as_ref(), stay);
             }
@@ -218,16 +234,16 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         F::Shape::give_back(&mut room.parts, rooms);
     }
 
-    /// Computes the new state from the slopes at the stages; returns the paths for which it is finite.
+    /// Computes the new state from the derivatives at the stages; returns the paths for which it is finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn finish<C: Carry<S>>(
+    pub(super) fn finish<C: StateSum<S>>(
         &self,
         [q, p]: [&[S]; 2],
         dw: &[S],
-        lists: &mut Lists<S, F::Shape, N>,
+        lists: &mut StageLists<S, F::Shape, N>,
         carry: &C,
     ) -> S::Mask {
-        let Lists { slopes: [by_p, by_q], next: [next_q, next_p], lost: [lost_q, lost_p], .. } = lists;
+        let StageLists { slopes: [by_p, by_q], next: [next_q, next_p], lost: [lost_q, lost_p], .. } = lists;
         let (by_p, by_q) = (by_p.as_ref(), by_q.as_ref());
         let (next_q, next_p) = (next_q.as_mut(), next_p.as_mut());
         let (lost_q, lost_p) = (lost_q.as_mut(), lost_p.as_mut());
@@ -244,7 +260,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             // No pairs add to the velocities.
             let columns = &mut PairColumns::default();
             let (at, into) = (([t, h], [q, &*next_p], dw), [&mut *lost_q, &mut *next_q]);
-            system.step_slopes::<K, S, false, true>(parameters, at, into, columns);
+            system.step_gradient::<K, S, false, true>(parameters, at, into, columns);
         } else {
             for (increment, slopes) in next_q.iter_mut().zip(by_p) {
                 *increment = slopes.total();

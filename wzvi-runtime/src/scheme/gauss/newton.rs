@@ -1,17 +1,19 @@
 //! Newton's method on all stages, for steps on which it costs less than sweeps ([`choice`](super::choice)).
 //!
 //! `Y - φ(Y) = 0` has the Jacobian `1 - A ⊗ J F''` with the second derivatives of `F` at every stage, from
-//! its slopes by dual numbers. It is factored densely, as sweeps fail for stiff forces of few degrees of
+//! its derivatives by dual numbers. It is factored densely, as sweeps fail for stiff forces of few degrees of
 //! freedom. The iteration is that of all hard steps ([`damped`]).
 
 use super::Field;
 use super::choice::{is_factored_once, newton_in_sweeps};
-use super::equations::Step;
-use super::kept::{ExactOf, Known, LeftOf, Lists, Room as Scratch};
+use super::equations::StepEquations;
+use super::memory::{
+    GaussHistoryOf, KnownDerivatives, RoundedScratchOf, StageLists, SweepScratchOf as Scratch,
+};
 use super::stages::Stages;
-use super::sweep::{Solved, UNSEEN};
-use crate::algebra::scalar::{Constant, Dual, Mask, Over, Parameters, Scalar};
-use crate::algebra::solve::{Banded, Problem, Room, damped};
+use super::sweep::{StepOutcome, UNSEEN};
+use crate::algebra::scalar::{ComputesWith, Constant, Dual, Mask, Parameters, Scalar};
+use crate::algebra::solve::{Banded, NewtonScratch, Problem, damped};
 use crate::error::StepFailure;
 use crate::scheme::elements::PairColumns;
 
@@ -19,7 +21,7 @@ use crate::scheme::elements::PairColumns;
 #[derive(Debug, Default)]
 pub(super) struct Newton<S> {
     jacobian: Jacobian<S>,
-    room: Room<Vec<S>>,
+    room: NewtonScratch<Vec<S>>,
     start: Vec<S>,
     /// The residual from which the derivatives of the stages follow.
     residual: Vec<S>,
@@ -52,22 +54,22 @@ impl<S> Newton<S> {
     }
 }
 
-/// The equations of all stages. Unknown number `(stage, kind, d)` stands at [`Equations::place`].
-struct Equations<'a, 's, F: Field, K: Constant, S: Scalar, const N: usize> {
-    step: &'a Step<'s, F, K, S, N>,
-    lists: &'a mut Lists<S, F::Shape, N>,
+/// The equations of all stages. Unknown number `(stage, kind, d)` stands at [`StageEquations::place`].
+struct StageEquations<'a, 's, F: Field, K: Constant, S: Scalar, const N: usize> {
+    step: &'a StepEquations<'s, F, K, S, N>,
+    lists: &'a mut StageLists<S, F::Shape, N>,
     scratch: &'a mut Scratch<F, S, N>,
-    exact: &'a mut ExactOf<F, N>,
+    exact: &'a mut RoundedScratchOf<F, N>,
     jacobian: &'a mut Jacobian<S>,
 }
 
-impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
+impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> StepEquations<'_, F, K, S, N> {
     /// The most unknowns for which the matrix is factored: 50 MB of `f64` at this size.
     pub(super) const MOST_UNKNOWNS: usize = 1500;
 
     /// The number of unknowns.
     pub(super) fn unknowns(&self) -> usize {
-        N * Equations::<F, K, S, N>::KINDS * self.start[0].len()
+        N * StageEquations::<F, K, S, N>::KINDS * self.start[0].len()
     }
 
     /// The cost of a step of Newton's method, in sweeps; infinite where there are too many unknowns for it.
@@ -76,18 +78,18 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         if self.unknowns() > Self::MOST_UNKNOWNS {
             return f64::INFINITY;
         }
-        newton_in_sweeps(N, Equations::<F, K, S, N>::KINDS, self.start[0].len())
+        newton_in_sweeps(N, StageEquations::<F, K, S, N>::KINDS, self.start[0].len())
     }
 
     /// Whether the derivatives that numbers carry follow from one factorisation, rather than from sweeps in
     /// these numbers.
-    pub(super) fn factors_once(&self, left: &LeftOf<F, S, N>) -> bool {
+    pub(super) fn factors_once(&self, left: &GaussHistoryOf<F, S, N>) -> bool {
         if self.unknowns() > Self::MOST_UNKNOWNS {
             return false;
         }
-        let is_stiff = left.alone.as_ref().is_some_and(|own| own.prefers_newton());
-        let size = [N, Equations::<F, K, S, N>::KINDS, self.start[0].len()];
-        left.known == Known::Factors
+        let is_stiff = left.scalar_path.as_ref().is_some_and(|own| own.prefers_newton());
+        let size = [N, StageEquations::<F, K, S, N>::KINDS, self.start[0].len()];
+        left.known == KnownDerivatives::Factors
             || is_stiff
             || is_factored_once(size, left.derivatives.max(S::DERIVATIVES), S::DERIVATIVES)
     }
@@ -100,11 +102,13 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     #[inline(never)]
     pub(super) fn newton<const CAREFUL: bool>(
         &self,
-        lists: &mut Lists<S, F::Shape, N>,
-        left: &mut LeftOf<F, S, N>,
-    ) -> Result<Solved<S>, StepFailure> {
-        let LeftOf::<F, S, N> { newton: Newton { jacobian, room, start, .. }, scratch, exact, .. } = left;
-        let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
+        lists: &mut StageLists<S, F::Shape, N>,
+        left: &mut GaussHistoryOf<F, S, N>,
+    ) -> Result<StepOutcome<S>, StepFailure> {
+        let GaussHistoryOf::<F, S, N> {
+            newton: Newton { jacobian, room, start, .. }, scratch, exact, ..
+        } = left;
+        let mut equations = StageEquations { step: self, lists, scratch, exact, jacobian };
         let unknowns = equations.unknowns();
         if unknowns > Self::MOST_UNKNOWNS {
             return Err(StepFailure::TooManyUnknowns { unknowns, most: Self::MOST_UNKNOWNS });
@@ -118,10 +122,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         }
         equations.write(room.solution());
         self.field(lists, scratch, S::Mask::from_bool(false));
-        Ok(Solved { effort, waits: left.waits.after_newton() })
+        Ok(StepOutcome { effort, waits: left.waits.after_newton() })
     }
 
-    /// The derivatives of the stages, whose values follow from the slopes of the lists:
+    /// The derivatives of the stages, whose values follow from the derivatives of the lists:
     /// `Y' = (1 - ∂φ/∂Y)⁻¹ φ'`, with `φ'` the derivatives of `φ` at stages without any. `are_factored`: the
     /// matrix has been factored there.
     ///
@@ -129,12 +133,17 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// [`StepFailure::NonFinite`] where second derivatives are not finite, [`StepFailure::Singular`].
     pub(super) fn differentiate_stages(
         &self,
-        lists: &mut Lists<S, F::Shape, N>,
-        left: &mut LeftOf<F, S, N>,
+        lists: &mut StageLists<S, F::Shape, N>,
+        left: &mut GaussHistoryOf<F, S, N>,
         are_factored: bool,
     ) -> Result<(), StepFailure> {
-        let LeftOf::<F, S, N> { newton: Newton { jacobian, start, residual, .. }, scratch, exact, .. } = left;
-        let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
+        let GaussHistoryOf::<F, S, N> {
+            newton: Newton { jacobian, start, residual, .. },
+            scratch,
+            exact,
+            ..
+        } = left;
+        let mut equations = StageEquations { step: self, lists, scratch, exact, jacobian };
         let unknowns = equations.unknowns();
         for list in [&mut *start, residual] {
             list.resize(unknowns, S::from_f64(0.0));
@@ -144,7 +153,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         for (x, residual) in start.iter_mut().zip(&*residual) {
             *x = S::from_f64(residual.lane(0));
         }
-        // The slopes have derivatives by constants of the step.
+        // The derivatives have derivatives by constants of the step.
         if size_of::<K>() != size_of::<f64>() || !self.dw.is_empty() {
             equations.write(start);
             self.field(equations.lists, equations.scratch, S::Mask::from_bool(false));
@@ -165,8 +174,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         Ok(())
     }
 
-    /// The slopes of `F` and their derivatives along one of its arguments, with the weight of stage number
-    /// `stage`, or without.
+    /// The derivatives of `F` and their derivatives along one of its arguments, with the weight of stage
+    /// number `stage`, or without.
     fn vary<T: Scalar>(
         &self,
         jacobian: &mut Jacobian<T>,
@@ -197,7 +206,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let (t, h) = (Dual::from_f64(h * c + t), Dual::from_f64(h * b));
         let parameters = &F::Parameters::lane(self.parameters, 0);
         let (at, into) = (([t, h], [&q[..], p], &dw[..]), [&mut by_q[..], by_p]);
-        self.system.step_slopes::<f64, Dual<1>, true, true>(parameters, at, into, columns);
+        self.system.step_gradient::<f64, Dual<1>, true, true>(parameters, at, into, columns);
         if F::FACTS.kind.is_conformal {
             let scale = stage.map_or(1.0, |stage| self.friction.scale[stage].lane(0));
             by_q.iter_mut().for_each(|slope| *slope = *slope * scale);
@@ -205,7 +214,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     }
 }
 
-impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, S, N> {
+impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> StageEquations<'_, '_, F, K, S, N> {
     /// Unknowns per degree of freedom and stage: in Nyström form the coordinates alone.
     const KINDS: usize = if F::IS_NYSTROM { 1 } else { 2 };
 
@@ -241,7 +250,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, 
         }
     }
 
-    /// `h M⁻¹`: the slopes of a quadratic form at the unit momenta.
+    /// `h M⁻¹`: the derivatives of a quadratic form at the unit momenta.
     fn invert_mass(&mut self) {
         let degrees = self.degrees();
         self.jacobian.inverse_mass.resize(degrees * degrees, 0.0);
@@ -255,7 +264,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, 
         }
     }
 
-    /// Adds the entries from the slopes of degree of freedom `a` at stage `j`, by the unknowns of `b` there.
+    /// Adds the entries from the derivatives of degree of freedom `a` at stage `j`, by the unknowns of `b`
+    /// there.
     fn add_entries(&self, matrix: &mut Banded<f64>, j: usize, [a, b]: [usize; 2]) {
         let (degrees, table) = (self.degrees(), self.step.common.table());
         let Jacobian { hessian, inverse_mass, .. } = &*self.jacobian;
@@ -301,7 +311,9 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, 
     }
 }
 
-impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_, '_, F, K, S, N> {
+impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> Problem
+    for StageEquations<'_, '_, F, K, S, N>
+{
     type Number = S;
     type Vector = Vec<S>;
     // The remaining error of the stages is not random as rounding is.

@@ -14,8 +14,8 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::Field;
 use super::stages::Stages;
-use super::table::Table;
-use crate::algebra::scalar::{Of, Scalar};
+use super::tableau::Tableau;
+use crate::algebra::scalar::{ConstantsIn, Scalar};
 use crate::algebra::stages::{minus, plus};
 use crate::scheme::elements::PairColumns;
 
@@ -24,7 +24,7 @@ const FAST: f64 = 0.1;
 
 /// The eigenvectors of `M⁻¹K`, and for each eigenvalue `λ` the matrix `(1 + h² λ A²)⁻¹` by columns.
 #[derive(Clone, Debug)]
-pub(super) struct Modes<const N: usize> {
+pub(super) struct StiffModes<const N: usize> {
     filters: Vec<[[f64; N]; N]>,
     /// The matrix with the eigenvectors as columns and its inverse, both row-major; `None` if degrees of
     /// freedom are not coupled.
@@ -33,18 +33,18 @@ pub(super) struct Modes<const N: usize> {
 
 /// The stages before a sweep, and their changes in the eigenbasis.
 #[derive(Debug)]
-pub(super) struct Modal<T> {
+pub(super) struct ModalStages<T> {
     before: Vec<T>,
     changes: Vec<T>,
 }
 
-impl<T> Default for Modal<T> {
+impl<T> Default for ModalStages<T> {
     fn default() -> Self {
         Self { before: Vec::new(), changes: Vec::new() }
     }
 }
 
-impl<T: Copy> Modal<T> {
+impl<T: Copy> ModalStages<T> {
     pub(super) fn reserve(&mut self, degrees: usize) {
         self.before.reserve(degrees);
         self.changes.reserve(degrees);
@@ -64,12 +64,12 @@ impl<T: Copy> Modal<T> {
     }
 }
 
-impl<const N: usize> Modes<N> {
+impl<const N: usize> StiffModes<N> {
     /// The modes of a system; `None` if they do not pay.
     pub(super) fn new<F: Field>(
         system: &F,
-        parameters: &Of<F::Parameters, f64>,
-        table: &Table<N>,
+        parameters: &ConstantsIn<F::Parameters, f64>,
+        table: &Tableau<N>,
         h: f64,
     ) -> Option<Self> {
         let degrees = system.degrees();
@@ -82,7 +82,7 @@ impl<const N: usize> Modes<N> {
         Self::of(stiffness, inverse_mass(system, parameters, degrees), table, h)
     }
 
-    fn of(stiffness: DMatrix<f64>, inverse_mass: DMatrix<f64>, table: &Table<N>, h: f64) -> Option<Self> {
+    fn of(stiffness: DMatrix<f64>, inverse_mass: DMatrix<f64>, table: &Tableau<N>, h: f64) -> Option<Self> {
         let degrees = stiffness.nrows();
         if !stiffness.iter().chain(inverse_mass.iter()).all(|number| number.is_finite()) {
             return None;
@@ -117,8 +117,12 @@ impl<const N: usize> Modes<N> {
 
     /// Replaces the change by a sweep by that with the linear force solved implicitly.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn filter<S: Scalar>(&self, stages: &mut [S::Stages<N>], modal: &mut Modal<S::Stages<N>>) {
-        let Modal { before, changes } = modal;
+    pub(super) fn filter<S: Scalar>(
+        &self,
+        stages: &mut [S::Stages<N>],
+        modal: &mut ModalStages<S::Stages<N>>,
+    ) {
+        let ModalStages { before, changes } = modal;
         let Self { filters, basis } = self;
         let degrees = stages.len();
         let zero = S::Stages::<N>::splat(S::from_f64(0.0));
@@ -155,10 +159,10 @@ impl<const N: usize> Modes<N> {
     }
 }
 
-/// `M⁻¹`: the slopes of the kinetic energy at the unit momenta.
+/// `M⁻¹`: the derivatives of the kinetic energy at the unit momenta.
 pub(super) fn inverse_mass<F: Field>(
     system: &F,
-    parameters: &Of<F::Parameters, f64>,
+    parameters: &ConstantsIn<F::Parameters, f64>,
     degrees: usize,
 ) -> DMatrix<f64> {
     let (q, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
@@ -168,7 +172,7 @@ pub(super) fn inverse_mass<F: Field>(
         p.fill(0.0);
         p[column] = 1.0;
         let (at, into) = (([0.0, 1.0], [&q[..], &p], &dw[..]), [&mut by_q[..], &mut by_p]);
-        system.step_slopes::<f64, f64, false, true>(parameters, at, into, &mut PairColumns::default());
+        system.step_gradient::<f64, f64, false, true>(parameters, at, into, &mut PairColumns::default());
         (0..degrees).for_each(|row| matrix[(row, column)] = by_p[row]);
     }
     matrix
@@ -204,7 +208,7 @@ mod tests {
     #[test]
     fn spectral_radii_are_those_of_the_methods() {
         fn check<const N: usize>(exact: f64) {
-            let table = Table::<N>::get();
+            let table = Tableau::<N>::get();
             let square = DMatrix::from_fn(N, N, |i, j| table.eta[j][i] * table.b[j]);
             let radius = spectral_radius(&square);
             // The condition of the eigenvectors is at most 2.9e8 (16 stages), and 2.9e8^(1/4096) = 1.0048.

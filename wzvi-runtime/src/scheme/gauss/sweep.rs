@@ -1,13 +1,13 @@
 //! Sweeps over all stages at once, `Y ← φ(Y)`, until nothing but rounding changes.
 
 use super::Field;
-use super::choice::{WINDOW, Waits, finish};
-use super::equations::{Placement, Step};
-use super::kept::{ExactLists, ExactOf, LeftOf, Lists, Room};
-use super::stages::{Part, Stages};
-use super::stiff::Modal;
+use super::choice::{NewtonBackoff, WINDOW, finish};
+use super::equations::{Placement, StepEquations};
+use super::memory::{GaussHistoryOf, RoundedLists, RoundedScratchOf, StageLists, SweepScratchOf};
+use super::stages::{StagePack, Stages};
+use super::stiff::ModalStages;
 use crate::algebra::memory::Iteration;
-use crate::algebra::scalar::{Constant, Mask, Over, Parameters, Rounded, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Mask, Parameters, Rounded, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::StepFailure;
 
@@ -38,14 +38,14 @@ const SMALL: f64 = 0.0005 * ROUNDING;
 pub(super) const UNSEEN: f64 = 1e-6;
 
 /// How a step was solved.
-pub(super) struct Solved<S: Scalar> {
+pub(super) struct StepOutcome<S: Scalar> {
     pub(super) effort: Effort,
     /// How the next steps start.
-    pub(super) waits: Waits<S>,
+    pub(super) waits: NewtonBackoff<S>,
 }
 
 /// The outcome of sweeps.
-pub(super) struct Swept<S: Scalar> {
+pub(super) struct SweepOutcome<S: Scalar> {
     /// The paths in which only rounding still changes.
     pub(super) are_settled: S::Mask,
     /// The paths that may have left the solution that continues the state; only a careful step settles there.
@@ -57,46 +57,46 @@ pub(super) struct Swept<S: Scalar> {
 }
 
 /// The relative change of the stages in a sweep.
-pub(super) struct Relative<'a, S: Scalar, const N: usize> {
+pub(super) struct RelativeChange<'a, S: Scalar, const N: usize> {
     start: [&'a [S]; 2],
-    changes: Part<S, N>,
+    changes: StagePack<S, N>,
 }
 
-impl<S: Scalar, const N: usize> Relative<'_, S, N> {
+impl<S: Scalar, const N: usize> RelativeChange<'_, S, N> {
     /// Half of the phase space, degree of freedom, a part of the old stages and the same part of the new
     /// ones.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn see(&mut self, half: usize, d: usize, old: Part<S, N>, new: Part<S, N>) {
+    pub(super) fn include(&mut self, half: usize, d: usize, old: StagePack<S, N>, new: StagePack<S, N>) {
         let start = S::Stages::<N>::same(self.start[half][d]);
         let relative = (new - old).nearly_over(new.abs() + start.abs());
         self.changes = Scalar::select(relative.less(self.changes), self.changes, relative);
     }
 }
 
-impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
-    /// Computes the stages from the current slopes.
+impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> StepEquations<'_, F, K, S, N> {
+    /// Computes the stages from the current derivatives.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn follow(
         &self,
-        lists: &mut Lists<S, F::Shape, N>,
-        room: &mut Room<F, S, N>,
-        seen: Option<&mut Relative<'_, S, N>>,
+        lists: &mut StageLists<S, F::Shape, N>,
+        room: &mut SweepScratchOf<F, S, N>,
+        seen: Option<&mut RelativeChange<'_, S, N>>,
     ) {
-        let Lists { at: [q, p], slopes: [by_p, by_q], .. } = lists;
+        let StageLists { at: [q, p], slopes: [by_p, by_q], .. } = lists;
         let into = Placement { at: [q.as_mut(), p.as_mut()], by_p: by_p.as_mut(), by_q: Some(by_q.as_ref()) };
         self.place(into, [&self.common.table().mu, &self.common.table().eta], room, seen);
     }
 
-    /// Sweeps from the current stages until all `wanted` paths have ended. The slopes are then those of the
-    /// last sweep of each path.
+    /// Sweeps from the current stages until all `wanted` paths have ended. The derivatives are then those of
+    /// the last sweep of each path.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn sweeps<const CAREFUL: bool>(
         &self,
         wanted: S::Mask,
-        lists: &mut Lists<S, F::Shape, N>,
-        left: &mut LeftOf<F, S, N>,
-    ) -> Swept<S> {
-        let LeftOf::<F, S, N> { scratch, modal, exact, iteration, .. } = left;
+        lists: &mut StageLists<S, F::Shape, N>,
+        left: &mut GaussHistoryOf<F, S, N>,
+    ) -> SweepOutcome<S> {
+        let GaussHistoryOf::<F, S, N> { scratch, modal, exact, iteration, .. } = left;
         let none = S::Mask::from_bool(false);
         // The latest first. The contraction is unknown before the second sweep.
         let mut past = [S::from_f64(0.0); WINDOW];
@@ -104,11 +104,11 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let (mut sweeps, mut failure) = (0, StepFailure::NonFinite);
         loop {
             sweeps += 1;
-            let mut relative = Relative { start: self.start, changes: Scalar::from_f64(0.0) };
+            let mut relative = RelativeChange { start: self.start, changes: Scalar::from_f64(0.0) };
             self.sweep(are_settled, lists, scratch, modal, Some(&mut relative));
             // Stored by stage, so that the maximum is vectorised.
             lists.changes = relative.changes;
-            if S::IS_BESIDE {
+            if S::LANES_ARE_PATHS {
                 // Opaque, since the compiler else cuts the lanes of the sweep as the decisions below would
                 // have them, down to two numbers.
                 lists.changes = std::hint::black_box(lists.changes);
@@ -153,11 +153,12 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             }
             if settle.any() {
                 // The derivatives of a dual number converge as fast as its value, but later.
-                if !S::IS_BESIDE && size_of::<S>() != size_of::<f64>() {
+                if !S::LANES_ARE_PATHS && size_of::<S>() != size_of::<f64>() {
                     (0..sweeps + 2).for_each(|_| self.sweep(none, lists, scratch, modal, None));
                 }
                 if F::IS_STIFF && self.common.modes().is_some() {
-                    // The slopes precede the last change, which alters a stiff force more than the stages.
+                    // The derivatives precede the last change, which alters a stiff force more than the
+                    // stages.
                     self.field(lists, scratch, are_settled);
                 }
                 (are_settled, going) = (are_settled | settle, going & !settle);
@@ -170,7 +171,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             past.rotate_right(1);
             past[0] = change;
         }
-        Swept { are_settled, are_wild, sweeps, failure }
+        SweepOutcome { are_settled, are_wild, sweeps, failure }
     }
 
     /// Which of these paths further sweeps finish with fewer operations than Newton's method, from the
@@ -185,15 +186,15 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         })
     }
 
-    /// One sweep: new slopes, except for paths that keep theirs, and the stages computed from them.
+    /// One sweep: new derivatives, except for paths that keep theirs, and the stages computed from them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sweep(
         &self,
         stay: S::Mask,
-        lists: &mut Lists<S, F::Shape, N>,
-        room: &mut Room<F, S, N>,
-        modal: &mut Modal<S::Stages<N>>,
-        seen: Option<&mut Relative<'_, S, N>>,
+        lists: &mut StageLists<S, F::Shape, N>,
+        room: &mut SweepScratchOf<F, S, N>,
+        modal: &mut ModalStages<S::Stages<N>>,
+        seen: Option<&mut RelativeChange<'_, S, N>>,
     ) {
         self.field(lists, room, stay);
         match self.common.modes() {
@@ -204,7 +205,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                 let Some(seen) = seen else { return };
                 for (d, (old, new)) in modal.before().iter().zip(lists.at[0].as_ref()).enumerate() {
                     (0..S::Stages::<N>::PARTS)
-                        .for_each(|part| seen.see(0, d, old.part(part), new.part(part)));
+                        .for_each(|part| seen.include(0, d, old.part(part), new.part(part)));
                 }
             }
             _ => self.follow(lists, room, seen),
@@ -217,8 +218,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     fn are_rounding(
         &self,
         asked: S::Mask,
-        lists: &Lists<S, F::Shape, N>,
-        exact: &mut ExactOf<F, N>,
+        lists: &StageLists<S, F::Shape, N>,
+        exact: &mut RoundedScratchOf<F, N>,
     ) -> S::Mask {
         S::Mask::of_lanes(|lane| {
             let mut all = asked.lane(lane);
@@ -234,11 +235,11 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     pub(super) fn residuals(
         &self,
         lane: usize,
-        lists: &Lists<S, F::Shape, N>,
-        exact: &mut ExactOf<F, N>,
+        lists: &StageLists<S, F::Shape, N>,
+        exact: &mut RoundedScratchOf<F, N>,
         seen: &mut dyn FnMut(usize, usize, usize, Rounded),
     ) {
-        let ExactLists { given, lists: exact, scratch } = exact.lists(self.start[0].len(), self.dw.len());
+        let RoundedLists { given, lists: exact, scratch } = exact.lists(self.start[0].len(), self.dw.len());
         for (exact, start) in given.start.iter_mut().zip(self.start) {
             for (exact, start) in exact.as_mut().iter_mut().zip(start) {
                 *exact = Rounded::exact(start.lane(lane));

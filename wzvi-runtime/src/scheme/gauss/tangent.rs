@@ -1,4 +1,4 @@
-//! The derivative of a step that was taken, from its slopes.
+//! The derivative of a step that was taken, from its derivatives.
 //!
 //! With the second derivatives `F''_j` of `b_j F` at stage `j`, deviations of the stages solve the linear
 //! equations
@@ -20,15 +20,15 @@
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
 use super::Field;
-use super::advance::PreparedOf;
-use super::equations::Step;
-use super::kept::{Memory, MemoryOf};
+use super::advance::GaussConstantsOf;
+use super::equations::StepEquations;
+use super::memory::{GaussMemory, GaussMemoryOf};
 use super::stages::Stages;
 use super::stiff::inverse_mass;
-use crate::algebra::carry::Plain;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::lanes::instructions::Kernel;
 use crate::algebra::scalar::{Dual, Mask, Scalar};
+use crate::algebra::state_sum::PlainSum;
 use crate::scheme::elements::PairColumns;
 use crate::scheme::system::{DEVIATIONS, TakenStep};
 
@@ -37,26 +37,26 @@ const MOST_UNKNOWNS: usize = 64;
 /// What the entries of each row may add up to, beside the identity: below that, elimination without exchanges
 /// is stable (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, section 9.5).
 const DOMINATED: f64 = 1.0;
-/// Directions in which slopes are differentiated at once.
+/// Directions in which derivatives are differentiated at once.
 const DIRECTIONS: usize = 2;
 
 /// A component of each deviation.
-type Deviations = Lanes<DEVIATIONS>;
+type DeviationLanes = Lanes<DEVIATIONS>;
 
-/// Coordinates, momenta, slopes by both, and increments, with derivatives in some directions.
-type Varied<T> = [Vec<Dual<DIRECTIONS, T>>; 5];
+/// Coordinates, momenta, derivatives by both, and increments, with derivatives in some directions.
+type VariedStep<T> = [Vec<Dual<DIRECTIONS, T>>; 5];
 
 /// The linear equations of a step, and what they are made of.
 #[derive(Debug, Default)]
 pub(super) struct Linear<const N: usize> {
     /// Whether the matrix of the present step is factored.
     is_factored: bool,
-    of_all_stages: Varied<Lanes<N>>,
-    of_one_stage: Varied<f64>,
+    of_all_stages: VariedStep<Lanes<N>>,
+    of_one_stage: VariedStep<f64>,
     columns: PairColumns,
     /// `M⁻¹` by rows, in Nyström form.
     inverse_mass: Vec<f64>,
-    /// Second derivatives of `b_j F` at all stages, by rows: slopes by `(q, p)`, then unknowns.
+    /// Second derivatives of `b_j F` at all stages, by rows: derivatives by `(q, p)`, then unknowns.
     hessian: Vec<Lanes<N>>,
     /// What multiplies the deviations of the stages in the equations of each unknown: in Nyström form
     /// `h M⁻¹ F_qq`, else `-F_p` and `F_q`.
@@ -69,17 +69,17 @@ pub(super) struct Linear<const N: usize> {
     /// The reciprocals of the pivots.
     inverses: Vec<f64>,
     /// The right-hand sides, then the deviations of the stages.
-    sides: Vec<Deviations>,
+    sides: Vec<DeviationLanes>,
     /// `h M⁻¹ δp`
-    velocities: Vec<Deviations>,
+    velocities: Vec<DeviationLanes>,
 }
 
 /// Multiplies deviations by the derivative of a step.
 struct Multiply<'a, F: Field, const N: usize> {
     system: &'a F,
-    prepared: &'a PreparedOf<F, f64, N>,
-    taken: TakenStep<'a, MemoryOf<F, f64, N>>,
-    room: &'a mut MemoryOf<F, f64, N>,
+    prepared: &'a GaussConstantsOf<F, f64, N>,
+    taken: TakenStep<'a, GaussMemoryOf<F, f64, N>>,
+    room: &'a mut GaussMemoryOf<F, f64, N>,
     linear: &'a mut Linear<N>,
     deviations: [&'a mut [Dual<DEVIATIONS>]; 2],
 }
@@ -89,9 +89,9 @@ struct Multiply<'a, F: Field, const N: usize> {
 /// deviations.
 pub(super) fn multiply<F: Field, const N: usize>(
     system: &F,
-    prepared: &PreparedOf<F, f64, N>,
-    taken: TakenStep<'_, MemoryOf<F, f64, N>>,
-    room: &mut MemoryOf<F, f64, N>,
+    prepared: &GaussConstantsOf<F, f64, N>,
+    taken: TakenStep<'_, GaussMemoryOf<F, f64, N>>,
+    room: &mut GaussMemoryOf<F, f64, N>,
     deviations: [&mut [Dual<DEVIATIONS>]; 2],
 ) -> bool {
     let degrees = deviations[0].len();
@@ -140,15 +140,15 @@ impl<F: Field, const N: usize> Kernel for Multiply<'_, F, N> {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn linearise<F: Field, const N: usize>(
     system: &F,
-    prepared: &PreparedOf<F, f64, N>,
-    taken: &TakenStep<'_, MemoryOf<F, f64, N>>,
-    room: &mut MemoryOf<F, f64, N>,
+    prepared: &GaussConstantsOf<F, f64, N>,
+    taken: &TakenStep<'_, GaussMemoryOf<F, f64, N>>,
+    room: &mut GaussMemoryOf<F, f64, N>,
     linear: &mut Linear<N>,
     degrees: usize,
 ) {
     room.fit(degrees, taken.dw.len());
-    let Memory { given, lists, left } = room;
-    given.read(&prepared.common, taken.q, taken.p, taken.dw, &Plain);
+    let GaussMemory { given, lists, left } = room;
+    given.read(&prepared.common, taken.q, taken.p, taken.dw, &PlainSum);
     let step =
         given.step(system, (&prepared.parameters, &prepared.friction, &prepared.common), [taken.t, taken.h]);
     for (own, past) in lists.slopes.iter_mut().zip(&taken.memory.left.past) {
@@ -184,14 +184,15 @@ fn linearise<F: Field, const N: usize>(
     linear.multiply_hessian(taken.h, degrees, F::IS_NYSTROM);
 }
 
-impl<F: Field, const N: usize> Step<'_, F, f64, f64, N> {
-    /// The slopes of `b_j F` at all stages, differentiated by the unknown number `first` and those after it.
+impl<F: Field, const N: usize> StepEquations<'_, F, f64, f64, N> {
+    /// The derivatives of `b_j F` at all stages, differentiated by the unknown number `first` and those after
+    /// it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn differentiate_slopes(
         &self,
         at: [&[Lanes<N>]; 2],
         first: usize,
-        varied: &mut Varied<Lanes<N>>,
+        varied: &mut VariedStep<Lanes<N>>,
         columns: &mut PairColumns,
     ) {
         let (table, degrees) = (self.common.table(), at[0].len());
@@ -223,7 +224,7 @@ impl<F: Field, const N: usize> Step<'_, F, f64, f64, N> {
         );
         if F::IS_NYSTROM {
             let into = [&mut by_q[..], &mut []];
-            self.system.step_slopes::<f64, Dual<DIRECTIONS, Lanes<N>>, true, false>(
+            self.system.step_gradient::<f64, Dual<DIRECTIONS, Lanes<N>>, true, false>(
                 self.parameters,
                 given,
                 into,
@@ -231,7 +232,7 @@ impl<F: Field, const N: usize> Step<'_, F, f64, f64, N> {
             );
         } else {
             let into = [&mut by_q[..], &mut by_p[..]];
-            self.system.step_slopes::<f64, Dual<DIRECTIONS, Lanes<N>>, true, true>(
+            self.system.step_gradient::<f64, Dual<DIRECTIONS, Lanes<N>>, true, true>(
                 self.parameters,
                 given,
                 into,
@@ -252,7 +253,7 @@ impl<F: Field, const N: usize> Step<'_, F, f64, f64, N> {
         at: [&[Lanes<N>]; 2],
         stage: usize,
         first: usize,
-        varied: &mut Varied<f64>,
+        varied: &mut VariedStep<f64>,
         columns: &mut PairColumns,
     ) {
         let (table, degrees) = (self.common.table(), at[0].len());
@@ -274,7 +275,7 @@ impl<F: Field, const N: usize> Step<'_, F, f64, f64, N> {
         let times = [self.h * table.c[stage] + self.t, self.h * table.b[stage]].map(Dual::constant);
         if F::IS_NYSTROM {
             let (given, into) = ((times, [&q[..], &q[..]], &dw[..]), [&mut by_q[..], &mut []]);
-            self.system.step_slopes::<f64, Dual<DIRECTIONS>, true, false>(
+            self.system.step_gradient::<f64, Dual<DIRECTIONS>, true, false>(
                 self.parameters,
                 given,
                 into,
@@ -282,7 +283,7 @@ impl<F: Field, const N: usize> Step<'_, F, f64, f64, N> {
             );
         } else {
             let (given, into) = ((times, [&q[..], &p[..]], &dw[..]), [&mut by_q[..], &mut by_p[..]]);
-            self.system.step_slopes::<f64, Dual<DIRECTIONS>, true, true>(
+            self.system.step_gradient::<f64, Dual<DIRECTIONS>, true, true>(
                 self.parameters,
                 given,
                 into,

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::tree::{Branch, Half, Tree};
+use super::tree::{Branch, PhaseHalf, Tree};
 use crate::algebra::scalar::{Dual, Scalar};
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::Hamiltonian;
@@ -22,14 +22,14 @@ fn one_more<S: Scalar>(
 }
 
 /// `∂_q` and `∂_p` of a function.
-type Slopes = [Vec<f64>; 2];
+type PhaseGradient = [Vec<f64>; 2];
 
 /// Contractions at one state; each subtree is evaluated once. Derivatives of the gradient are compiled up to
 /// order `DEPTH`: trees of three, five and seven vertices need orders 1, 3 and 5.
 pub(super) struct Contractions<'s, H: Hamiltonian, const DEPTH: usize> {
     system: &'s H,
     state: &'s State<H::Vector>,
-    known: BTreeMap<Tree, Slopes>,
+    known: BTreeMap<Tree, PhaseGradient>,
 }
 
 impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
@@ -45,28 +45,28 @@ impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
         let [by_q, by_p] = self.slopes(&Tree { branches: rest.to_vec() });
         let (half, direction) = self.direction(last);
         let slopes = match half {
-            Half::Coordinates => by_q,
-            Half::Momenta => by_p,
+            PhaseHalf::Coordinates => by_q,
+            PhaseHalf::Momenta => by_p,
         };
         slopes.iter().zip(&direction).map(|(slope, along)| slope * along).sum()
     }
 
     /// The direction along which a branch differentiates its vertex.
-    fn direction(&mut self, (half, beyond): &Branch) -> (Half, Vec<f64>) {
+    fn direction(&mut self, (half, beyond): &Branch) -> (PhaseHalf, Vec<f64>) {
         let [by_q, by_p] = self.slopes(beyond);
         let direction = match half {
-            Half::Coordinates => by_p,
-            Half::Momenta => by_q,
+            PhaseHalf::Coordinates => by_p,
+            PhaseHalf::Momenta => by_q,
         };
         (*half, direction)
     }
 
     /// The gradient of `H` at the root, differentiated along all branches.
-    fn slopes(&mut self, tree: &Tree) -> Slopes {
+    fn slopes(&mut self, tree: &Tree) -> PhaseGradient {
         if let Some(known) = self.known.get(tree) {
             return known.clone();
         }
-        let directions: Vec<(Half, Vec<f64>)> =
+        let directions: Vec<(PhaseHalf, Vec<f64>)> =
             tree.branches.iter().map(|branch| self.direction(branch)).collect();
         let none = (|value: f64, _: &[f64]| value, |number: f64| number);
         let two = one_more(one_more(none));
@@ -88,10 +88,10 @@ impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
     /// The derivative along directions, with numbers made and read by these functions: [`one_more`].
     fn along<S: Scalar>(
         &self,
-        directions: &[(Half, Vec<f64>)],
+        directions: &[(PhaseHalf, Vec<f64>)],
         (of, product): (impl Fn(f64, &[f64]) -> S, impl Fn(S) -> f64),
-    ) -> Slopes {
-        let lift = |half: Half, values: &[f64]| -> Vec<S> {
+    ) -> PhaseGradient {
+        let lift = |half: PhaseHalf, values: &[f64]| -> Vec<S> {
             let component = |(i, &value): (usize, &f64)| {
                 let slopes: Vec<f64> = directions
                     .iter()
@@ -101,8 +101,8 @@ impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
             };
             values.iter().enumerate().map(component).collect()
         };
-        let q = lift(Half::Coordinates, self.state.q.components());
-        let p = lift(Half::Momenta, self.state.p.components());
+        let q = lift(PhaseHalf::Coordinates, self.state.q.components());
+        let p = lift(PhaseHalf::Momenta, self.state.p.components());
         let zero = S::from_f64(0.0);
         let (mut by_q, mut by_p) = (vec![zero; q.len()], vec![zero; p.len()]);
         self.system.differentiate(0, &q, &p, self.state.t, &mut by_q, &mut by_p);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::iter::successors;
 use std::sync::OnceLock;
 
-use super::tree::{Half, Tree, rooted};
+use super::tree::{PhaseHalf, Tree, rooted};
 
 /// `B_m / m!` for the Bernoulli numbers with `B_1 = 1/2`.
 const BERNOULLI: [f64; 7] = [1.0, 0.5, 1.0 / 12.0, 0.0, -1.0 / 720.0, 0.0, 1.0 / 30240.0];
@@ -102,7 +102,7 @@ fn bracket(first: &[Tree], second: &[Tree]) -> BTreeMap<Tree, f64> {
     let mut sum = BTreeMap::new();
     for one in first {
         for other in second {
-            for (half, sign) in [(Half::Momenta, 1.0), (Half::Coordinates, -1.0)] {
+            for (half, sign) in [(PhaseHalf::Momenta, 1.0), (PhaseHalf::Coordinates, -1.0)] {
                 *sum.entry(one.joined(half, other).free()).or_insert(0.0) += sign;
             }
         }
@@ -112,12 +112,12 @@ fn bracket(first: &[Tree], second: &[Tree]) -> BTreeMap<Tree, f64> {
 
 /// A coefficient for each tree of a basis.
 #[derive(Clone)]
-pub(super) struct Series {
+pub(super) struct TreeSeries {
     pub(super) basis: &'static Basis,
     pub(super) coefficients: Vec<f64>,
 }
 
-impl Series {
+impl TreeSeries {
     fn zero(basis: &'static Basis) -> Self {
         Self { basis, coefficients: vec![0.0; basis.trees.len()] }
     }
@@ -213,13 +213,13 @@ impl Series {
 
 /// `h` times the modified Hamiltonian of successive steps with quadrature points `l` over fractions `w` of
 /// the step, to the order of [`Basis::of_order`].
-pub(super) fn modified(steps: &[(f64, f64)], order: u32) -> Series {
+pub(super) fn modified(steps: &[(f64, f64)], order: u32) -> TreeSeries {
     let basis = Basis::of_order(order);
-    let mut known: Vec<(f64, Series, Series)> = Vec::new();
-    let mut generator = Series::zero(basis);
+    let mut known: Vec<(f64, TreeSeries, TreeSeries)> = Vec::new();
+    let mut generator = TreeSeries::zero(basis);
     for &(l, w) in steps {
         if !known.iter().any(|(point, ..)| *point == l) {
-            let own = Series::generator(basis, l);
+            let own = TreeSeries::generator(basis, l);
             let flow = own.logarithm();
             known.push((l, own, flow));
         }

@@ -2,11 +2,11 @@ use super::*;
 
 /// The coefficients of trees with up to three vertices: `H`, `H_p · H_q`, and `H_pp(H_q, H_q)`,
 /// `H_qq(H_p, H_p)`, `H_pq(H_q, H_p)`.
-fn leading(series: &series::Series) -> [f64; 5] {
-    use tree::{Half, Tree};
+fn leading(series: &series::TreeSeries) -> [f64; 5] {
+    use tree::{PhaseHalf, Tree};
     let leaf = Tree::default();
-    let pair = |a: Half, b: Half| Tree::new(vec![(a, leaf.clone()), (b, leaf.clone())]).free();
-    let (q, p) = (Half::Coordinates, Half::Momenta);
+    let pair = |a: PhaseHalf, b: PhaseHalf| Tree::new(vec![(a, leaf.clone()), (b, leaf.clone())]).free();
+    let (q, p) = (PhaseHalf::Coordinates, PhaseHalf::Momenta);
     let wanted = [leaf.clone(), leaf.joined(p, &leaf).free(), pair(p, p), pair(q, q), pair(q, p)];
     wanted.map(|tree| {
         series.terms().filter(|(_, (own, _))| *own == tree).map(|(coefficient, _)| coefficient).sum()

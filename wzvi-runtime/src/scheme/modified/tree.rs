@@ -9,12 +9,12 @@ use std::iter::once;
 
 /// The half of the phase space by which an end of an edge differentiates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Half {
+pub(super) enum PhaseHalf {
     Coordinates,
     Momenta,
 }
 
-impl Half {
+impl PhaseHalf {
     pub(super) fn other(self) -> Self {
         match self {
             Self::Coordinates => Self::Momenta,
@@ -24,7 +24,7 @@ impl Half {
 }
 
 /// An edge with its subtree: the half by which its near end is differentiated, and the tree at its far end.
-pub(super) type Branch = (Half, Tree);
+pub(super) type Branch = (PhaseHalf, Tree);
 
 /// A tree seen from one of its vertices, its root. Branches are sorted, so that equal trees compare equal.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,7 +48,7 @@ impl Tree {
     pub(super) fn edges(&self) -> [i32; 2] {
         let of_branch = |(half, tree): &Branch| {
             let [q, p] = tree.edges();
-            if *half == Half::Coordinates { [q + 1, p] } else { [q, p + 1] }
+            if *half == PhaseHalf::Coordinates { [q + 1, p] } else { [q, p + 1] }
         };
         self.branches.iter().map(of_branch).fold([0, 0], |[q, p], [a, b]| [q + a, p + b])
     }
@@ -94,7 +94,7 @@ impl Tree {
     }
 
     /// Two trees joined by an edge between their roots, the first root being differentiated by `half`.
-    pub(super) fn joined(&self, half: Half, other: &Self) -> Self {
+    pub(super) fn joined(&self, half: PhaseHalf, other: &Self) -> Self {
         self.with((half, other.clone()))
     }
 }
@@ -106,7 +106,7 @@ pub(super) fn rooted(sizes: usize) -> Vec<Vec<(Tree, f64)>> {
     for size in 1..sizes {
         let mut branches = Vec::new();
         for (size, trees) in trees.iter().enumerate() {
-            for half in [Half::Coordinates, Half::Momenta] {
+            for half in [PhaseHalf::Coordinates, PhaseHalf::Momenta] {
                 branches.extend(trees.iter().map(|(tree, weight)| ((half, tree.clone()), size, *weight)));
             }
         }

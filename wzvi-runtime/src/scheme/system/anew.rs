@@ -1,9 +1,9 @@
 //! A bare step: by the fast solver, and from zero with care if that fails.
 
-use super::{At, Hamiltonian, Scheme};
-use crate::algebra::carry::Plain;
-use crate::algebra::scalar::{Constant, Over};
+use super::{Hamiltonian, Scheme, StepArguments};
+use crate::algebra::scalar::{ComputesWith, Constant};
 use crate::algebra::solve::Effort;
+use crate::algebra::state_sum::PlainSum;
 use crate::error::StepFailure;
 use crate::scheme::plan::Solver;
 
@@ -12,17 +12,17 @@ use crate::scheme::plan::Solver;
 /// # Errors
 /// The errors of [`Scheme::advance`]; the state and `memory` are then unchanged.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
+pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: ComputesWith<K>>(
     system: &H,
     prepared: &T::Prepared<K>,
-    at: At<'_, S, K>,
+    at: StepArguments<'_, S, K>,
     memory: &mut T::Memory<S>,
 ) -> Result<Effort, StepFailure> {
-    let At { t, h, q, p, dw } = at;
+    let StepArguments { t, h, q, p, dw } = at;
     // Either all paths in lanes take the step, or none.
-    let before = S::GOES_IN_PART.then(|| (q.to_vec(), p.to_vec(), memory.clone()));
-    let short = At { t, h, q: &mut *q, p: &mut *p, dw };
-    match T::advance::<K, S, Plain, false>(system, prepared, short, memory, &mut Plain) {
+    let before = S::MAY_FAIL_BY_LANE.then(|| (q.to_vec(), p.to_vec(), memory.clone()));
+    let short = StepArguments { t, h, q: &mut *q, p: &mut *p, dw };
+    match T::advance::<K, S, PlainSum, false>(system, prepared, short, memory, &mut PlainSum) {
         Ok(effort) => Ok(effort),
         // Without iteration, care does not help.
         Err(cause) if !matches!(T::PLAN.solver, Solver::Newton) => Err(cause),
@@ -34,7 +34,7 @@ pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Ove
             }
             // Copies: state and increments stay in registers only where no function is given their address.
             let (mut end_q, mut end_p, dw) = (q.to_vec(), p.to_vec(), dw.to_vec());
-            let at = At { t, h, q: &mut end_q[..], p: &mut end_p[..], dw: &dw };
+            let at = StepArguments { t, h, q: &mut end_q[..], p: &mut end_p[..], dw: &dw };
             let (effort, fresh) = careful::<H, T, K, S>(system, prepared.clone(), at)?;
             q.copy_from_slice(&end_q);
             p.copy_from_slice(&end_p);
@@ -47,12 +47,12 @@ pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Ove
 /// Starts from an empty memory: rare, and out of line.
 #[cold]
 #[inline(never)]
-fn careful<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
+fn careful<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: ComputesWith<K>>(
     system: &H,
     prepared: T::Prepared<K>,
-    at: At<'_, S, K>,
+    at: StepArguments<'_, S, K>,
 ) -> Result<(Effort, T::Memory<S>), StepFailure> {
     let mut fresh = Default::default();
-    let effort = T::advance::<K, S, Plain, true>(system, &prepared, at, &mut fresh, &mut Plain)?;
+    let effort = T::advance::<K, S, PlainSum, true>(system, &prepared, at, &mut fresh, &mut PlainSum)?;
     Ok((effort, fresh))
 }

@@ -11,7 +11,7 @@
 //! `P = p_i` is the momentum with which the step starts.
 
 use super::anew::advance;
-use super::{At, Hamiltonian, LagrangianGradient, Scheme, Segment, as_they_are};
+use super::{Hamiltonian, LagrangianGradient, Scheme, Segment, StepArguments, as_they_are};
 use crate::algebra::scalar::Dual;
 use crate::algebra::state::Vector;
 
@@ -35,7 +35,7 @@ pub(crate) fn gradient<H: Hamiltonian, T: Scheme<H> + ?Sized>(
         let (mut q, mut p) = (lift(start[0], varied, 0), lift(start[1], varied, d));
         let dw = lift(dw, None, 0);
         let mut memory = T::Memory::<Dual<1>>::default();
-        let at = At { t: segment.t, h: segment.h, q: &mut q[..], p: &mut p[..], dw: &dw };
+        let at = StepArguments { t: segment.t, h: segment.h, q: &mut q[..], p: &mut p[..], dw: &dw };
         advance::<H, T, f64, _>(system, prepared, at, &mut memory).ok()?;
         Some([q, p])
     };

@@ -3,11 +3,14 @@
 use std::cell::Cell;
 use std::marker::PhantomData;
 
-use super::{At, Discretized, Lift, Movable, Properties, Scheme, check_lengths, varied_without_lists};
-use crate::algebra::carry::{Carry, Plain};
+use super::{
+    Discretized, LiftParameter, Movable, Properties, Scheme, StepArguments, check_lengths,
+    varied_without_lists,
+};
 use crate::algebra::memory::step_memory;
-use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Mask, Scalar};
 use crate::algebra::solve::Effort;
+use crate::algebra::state_sum::{PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure, wrong};
 use crate::scheme::elements::{self, Elements, PairColumns};
 use crate::scheme::plan::{Plan, Solver};
@@ -132,7 +135,7 @@ step_memory! { impl[S: Scalar] StepMemory for Scratch<S> { kept: ; scratch: numb
 pub struct Own<T>(PhantomData<T>);
 
 /// The field that a step reads.
-struct Field<'a, H, S: Scalar> {
+struct FieldOfStep<'a, H, S: Scalar> {
     system: &'a H,
     parameters: &'a [S::Constant],
     t: S::Constant,
@@ -141,7 +144,7 @@ struct Field<'a, H, S: Scalar> {
     columns: Cell<PairColumns>,
 }
 
-impl<H: Elements, S: Scalar> StepField<S> for Field<'_, H, S> {
+impl<H: Elements, S: Scalar> StepField<S> for FieldOfStep<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, c: f64, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
         let &Self { system, parameters, t, h, dw, .. } = self;
@@ -173,10 +176,10 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
     /// All parameters, where they have derivatives.
     type Prepared<K: Constant> = Vec<K>;
     type Memory<S: Scalar> = Scratch<S>;
-    type Compensated<S: Scalar> = Plain;
-    type Carry<S: Scalar> = Plain;
+    type CompensatedSum<S: Scalar> = PlainSum;
+    type Sum<S: Scalar> = PlainSum;
 
-    fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, _: K) -> Result<Vec<K>, ConfigError> {
+    fn prepare<K: Constant>(system: &H, lift: LiftParameter<'_, K>, _: K) -> Result<Vec<K>, ConfigError> {
         if H::FACTS.is_damped {
             return wrong(
                 "a scheme of one's own takes no friction and no bath: write them as a `force` and a noise",
@@ -187,18 +190,18 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &H,
         parameters: &Vec<K>,
-        at: At<'_, S, K, impl Movable<S> + ?Sized>,
+        at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         scratch: &mut Scratch<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let (At { t, h, q, p, dw }, parameters) = (at.lists().shared(), S::varied(parameters));
+        let (StepArguments { t, h, q, p, dw }, parameters) = (at.lists().shared(), S::varied(parameters));
         check_lengths(system, scratch.before[0].len() == q.len(), [q.len(), p.len(), dw.len()])?;
         scratch.save([q, p]);
         let columns = Cell::new(std::mem::take(&mut scratch.columns));
-        let field = Field { system, parameters, t, h, dw, columns };
+        let field = FieldOfStep { system, parameters, t, h, dw, columns };
         let solved = T::step(&field, [&mut *q, &mut *p], scratch);
         scratch.columns = field.columns.into_inner();
         if let Err(failure) = solved {

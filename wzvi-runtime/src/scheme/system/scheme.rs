@@ -3,21 +3,21 @@
 use std::fmt::Debug;
 
 use super::{Discretized, Exchange, Hamiltonian, LagrangianGradient, Segment, by_dual_numbers};
-use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
-use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Dual, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
+use crate::algebra::state_sum::StateSum;
 use crate::error::{ConfigError, StepFailure, wrong};
-use crate::scheme::dense::{Slopes, hermite_order};
-use crate::scheme::elements::Stage;
+use crate::scheme::dense::{RateCoefficients, hermite_order};
+use crate::scheme::elements::QuadraturePoint;
 use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan, Solver};
 use crate::scheme::poles::Poles;
 
 /// The arguments of a step: the state `(q, p)` at `t`, which it moves, the step size and the increments.
 #[derive(Debug)]
-pub struct At<'a, S, K = f64, V: ?Sized = [S]> {
+pub struct StepArguments<'a, S, K = f64, V: ?Sized = [S]> {
     /// Time at the start of the step.
     pub t: K,
     /// Step size.
@@ -36,7 +36,7 @@ pub trait Movable<S> {
     fn list(&mut self) -> &mut [S];
     /// Takes the numbers of a list of the same length, which may take the old ones in exchange. Only numbers
     /// that are `f64` come so.
-    fn take(&mut self, new: &mut Vec<f64>);
+    fn exchange(&mut self, new: &mut Vec<f64>);
 }
 
 impl<S: Scalar> Movable<S> for [S] {
@@ -44,9 +44,9 @@ impl<S: Scalar> Movable<S> for [S] {
     fn list(&mut self) -> &mut [S] {
         self
     }
-    fn take(&mut self, new: &mut Vec<f64>) {
-        let own = S::plain_mut(self);
-        debug_assert!(own.is_some(), "numbers of another type are not taken window by window");
+    fn exchange(&mut self, new: &mut Vec<f64>) {
+        let own = S::as_f64s_mut(self);
+        debug_assert!(own.is_some(), "numbers of another type are not taken tile by tile");
         own.into_iter().for_each(|own| own.copy_from_slice(new));
     }
 }
@@ -56,29 +56,29 @@ impl<V: Vector> Movable<f64> for V {
     fn list(&mut self) -> &mut [f64] {
         self.components_mut()
     }
-    fn take(&mut self, new: &mut Vec<f64>) {
+    fn exchange(&mut self, new: &mut Vec<f64>) {
         self.exchange(new);
     }
 }
 
-impl<'a, S, K, V: Movable<S> + ?Sized> At<'a, S, K, V> {
+impl<'a, S, K, V: Movable<S> + ?Sized> StepArguments<'a, S, K, V> {
     /// With lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn lists(self) -> At<'a, S, K> {
+    pub fn lists(self) -> StepArguments<'a, S, K> {
         let Self { t, h, q, p, dw } = self;
-        At { t, h, q: q.list(), p: p.list(), dw }
+        StepArguments { t, h, q: q.list(), p: p.list(), dw }
     }
 
     /// With time and step size of the first lane.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn shared(self) -> At<'a, S, S::Constant, V>
+    pub fn shared(self) -> StepArguments<'a, S, S::Constant, V>
     where
-        S: Over<K>,
+        S: ComputesWith<K>,
         K: Constant,
     {
         let Self { t, h, q, p, dw } = self;
         let [t, h] = [t, h].map(|constant| S::constant(constant).to_constant());
-        At { t, h, q, p, dw }
+        StepArguments { t, h, q, p, dw }
     }
 }
 
@@ -88,7 +88,7 @@ pub const DEVIATIONS: usize = 4;
 /// A step that has been taken: where it began, and the memory that it left.
 #[derive(Debug)]
 pub struct TakenStep<'a, M> {
-    /// [`At::t`] and [`At::h`]
+    /// [`StepArguments::t`] and [`StepArguments::h`]
     pub t: f64,
     /// The step size.
     pub h: f64,
@@ -106,15 +106,15 @@ pub struct TakenStep<'a, M> {
 
 /// A parameter of the system as a constant of a step, from its number among [`Hamiltonian::parameter`] and
 /// its value.
-pub type Lift<'l, K> = &'l dyn Fn(usize, f64) -> K;
+pub type LiftParameter<'l, K> = &'l dyn Fn(usize, f64) -> K;
 
-/// The [`Lift`] that leaves parameters as they are.
+/// The [`LiftParameter`] that leaves parameters as they are.
 pub fn as_they_are(_: usize, value: f64) -> f64 {
     value
 }
 
 /// All parameters, where they have derivatives; an empty list where they are `f64`.
-pub fn varied<H: Hamiltonian, K: Constant>(system: &H, lift: Lift<'_, K>) -> Vec<K> {
+pub fn varied<H: Hamiltonian, K: Constant>(system: &H, lift: LiftParameter<'_, K>) -> Vec<K> {
     if size_of::<K>() == size_of::<f64>() {
         return Vec::new();
     }
@@ -128,7 +128,7 @@ pub fn varied<H: Hamiltonian, K: Constant>(system: &H, lift: Lift<'_, K>) -> Vec
 /// [`ConfigError::Setting`] if such an entry has a derivative.
 pub(crate) fn varied_without_lists<H: Hamiltonian, K: Constant>(
     system: &H,
-    lift: Lift<'_, K>,
+    lift: LiftParameter<'_, K>,
 ) -> Result<Vec<K>, ConfigError> {
     let varied = varied(system, lift);
     for (index, number) in varied.iter().enumerate() {
@@ -161,7 +161,7 @@ pub struct Properties {
     pub differentiates_lanes: bool,
     /// The number of degrees of freedom from which the step of a single path is vectorised; paths then run
     /// one after the other, and stay in the cache. `usize::MAX` if steps are never vectorised so.
-    pub fills_registers_from: usize,
+    pub scalar_paths_from: usize,
     /// The order of the error inside a step:
     /// [`DenseOutput::order`](crate::scheme::dense::DenseOutput::order).
     pub dense_order: u32,
@@ -196,7 +196,7 @@ impl Properties {
             remembers: matches!(plan.noise, NoiseClass::None) && memory != 0,
             in_lanes: true,
             differentiates_lanes: false,
-            fills_registers_from: usize::MAX,
+            scalar_paths_from: usize::MAX,
             dense_order: hermite_order(plan),
             has_polynomial: false,
             exchanges: false,
@@ -218,7 +218,7 @@ pub trait Scheme<H: Hamiltonian> {
     /// The quadrature points of the discrete Lagrangian, where they define the step. Steps without are
     /// symmetric.
     #[doc(hidden)]
-    const POINTS: Option<&'static [Stage]> = None;
+    const POINTS: Option<&'static [QuadraturePoint]> = None;
 
     /// The data that depend on the system and the step size only, in constants `K`: of one system, of one
     /// system per lane, or with derivatives.
@@ -227,12 +227,13 @@ pub trait Scheme<H: Hamiltonian> {
     /// The data from which the next step is predicted; of size zero for explicit steps.
     type Memory<S: Scalar>: StepMemory;
 
-    /// Compensated sums of the state's increments: [`Compensation`](crate::algebra::carry::Compensation).
-    type Compensated<S: Scalar>: Carry<S>;
+    /// Compensated sums of the state's increments:
+    /// [`FixedCompensatedSum`](crate::algebra::state_sum::FixedCompensatedSum).
+    type CompensatedSum<S: Scalar>: StateSum<S>;
 
     /// The default summation of increments: compensated if that costs less than about 5 % of the step, else
-    /// [`Plain`](crate::algebra::carry::Plain).
-    type Carry<S: Scalar>: Carry<S>;
+    /// [`PlainSum`](crate::algebra::state_sum::PlainSum).
+    type Sum<S: Scalar>: StateSum<S>;
 
     /// The number of increments that drive a step of a state with this many degrees of freedom: those of the
     /// noises, and after them `√h` times the standard normals of a bath.
@@ -252,7 +253,11 @@ pub trait Scheme<H: Hamiltonian> {
     /// # Errors
     /// If a parameter is invalid, or a matrix that is factored here is singular; if there are derivatives and
     /// the scheme does not propagate them.
-    fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError>;
+    fn prepare<K: Constant>(
+        system: &H,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<Self::Prepared<K>, ConfigError>;
 
     /// The prepared data of `L` systems for one step size, one system per lane; `None` if they do not run in
     /// lanes. If they do, so does any selection of them, with repetitions.
@@ -266,14 +271,14 @@ pub trait Scheme<H: Hamiltonian> {
     /// [lanes](StepFailure::Lanes), this holds for these lanes, and the others have taken the step.
     ///
     /// Unless `CAREFUL`, an iteration that does not converge fast is abandoned; the
-    /// [`Stepper`](crate::path::step::Stepper) then continues with care.
+    /// [`Stepper`](crate::trajectory::step::Stepper) then continues with care.
     ///
     /// # Errors
     /// If no solution was found, or sizes do not fit.
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &H,
         prepared: &Self::Prepared<K>,
-        at: At<'_, S, K, impl Movable<S> + ?Sized>,
+        at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure>;
@@ -299,14 +304,14 @@ pub trait Scheme<H: Hamiltonian> {
         false
     }
 
-    /// The slopes of the scheme's own polynomial, for the last step recorded in `memory`.
+    /// The derivatives of the scheme's own polynomial, for the last step recorded in `memory`.
     fn slopes_between(
         system: &H,
         (prepared, memory): (&Self::Prepared<f64>, &Self::Memory<f64>),
         before: &State<H::Vector>,
         h: f64,
         dw: &[f64],
-        slopes: &mut Slopes,
+        slopes: &mut RateCoefficients,
     ) {
         let _ = (system, prepared, memory, before, h, dw, slopes);
     }
@@ -363,6 +368,6 @@ pub type SchemeOf<H, E> = <H as Discretized<E>>::Scheme;
 /// The prepared data of steps of `H` by `E`.
 pub type PreparedOf<H, E, K = f64> = <SchemeOf<H, E> as Scheme<H>>::Prepared<K>;
 /// The default summation of increments.
-pub type CarryOf<H, E> = <SchemeOf<H, E> as Scheme<H>>::Carry<f64>;
+pub type SumOf<H, E> = <SchemeOf<H, E> as Scheme<H>>::Sum<f64>;
 /// The memory of steps of `H` by `E`.
 pub type MemoryOf<H, E, S> = <SchemeOf<H, E> as Scheme<H>>::Memory<S>;

@@ -3,13 +3,13 @@
 
 use std::marker::PhantomData;
 
-use super::{At, LagrangianGradient, Lift, Movable, Properties, Scheme, Segment};
-use crate::algebra::carry::{Carry, Compensation};
+use super::{LagrangianGradient, LiftParameter, Movable, Properties, Scheme, Segment, StepArguments};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
-use crate::algebra::scalar::{Constant, Constants, Mask, Of, Over, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Constants, ConstantsIn, Mask, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::State;
+use crate::algebra::state_sum::{FixedCompensatedSum, StateSum};
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{self, Elements};
 use crate::scheme::plan::Plan;
@@ -25,21 +25,25 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
     /// One extrapolation per iterated block.
     type Memory<S: Scalar>: StepMemory;
     /// The default summation of increments.
-    type Carry<S: Scalar>: Carry<S>;
+    type Sum<S: Scalar>: StateSum<S>;
 
     /// Computes the constants.
     ///
     /// # Errors
     /// If a parameter is NaN, or a matrix that is factored here is singular.
-    fn prepare<K: Constant>(&self, lift: Lift<'_, K>, h: K) -> Result<Of<Self::Prepared, K>, ConfigError>;
+    fn prepare<K: Constant>(
+        &self,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<ConstantsIn<Self::Prepared, K>, ConfigError>;
 
     /// Writes the end of the step into `next`.
     ///
     /// # Errors
     /// If no solution of a block was found, or the end is not finite.
     #[expect(clippy::too_many_arguments, reason = "generated code reads each by its name")]
-    fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-        prepared: &Of<Self::Prepared, K>,
+    fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
+        prepared: &ConstantsIn<Self::Prepared, K>,
         t: K,
         h: K,
         q: [S; D],
@@ -73,7 +77,12 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
 
     /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn new<C: Carry<S>>(carry: &C, [q, p]: [[S; D]; 2], [dq, dp]: [[S; D]; 2], effort: Effort) -> Self {
+    pub fn new<C: StateSum<S>>(
+        carry: &C,
+        [q, p]: [[S; D]; 2],
+        [dq, dp]: [[S; D]; 2],
+        effort: Effort,
+    ) -> Self {
         // Plain loops: closures would be compiled without the vector instructions of the caller.
         let zero = S::from_f64(0.0);
         let (mut next_q, mut next_p) = ([(zero, zero); D], [(zero, zero); D]);
@@ -119,7 +128,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     /// # Errors
     /// The failure of the solution.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn arrive<C: Carry<S>>(
+    pub fn arrive<C: StateSum<S>>(
         self,
         solved: Result<(), StepFailure>,
         q: &mut [S; D],
@@ -129,7 +138,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         match solved {
             Ok(()) => Ok(self.store(q, p, carry)),
             Err(cause) => {
-                if S::GOES_IN_PART {
+                if S::MAY_FAIL_BY_LANE {
                     self.store_in_part(q, p, carry);
                 }
                 Err(cause)
@@ -139,7 +148,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
 
     /// Inlined: the solution has no address, and stays in registers unless the step fails.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn store_in_part<C: Carry<S>>(&self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) {
+    fn store_in_part<C: StateSum<S>>(&self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) {
         let are_finite = self.are_finite();
         let mut lost = [[S::from_f64(0.0); D]; 2];
         for i in 0..D {
@@ -153,7 +162,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
 
     /// Moves the state.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
+    pub fn store<C: StateSum<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
         let mut lost = [[S::from_f64(0.0); D]; 2];
         for i in 0..D {
             (q[i], lost[0][i]) = self.q[i];
@@ -179,13 +188,17 @@ where
         poles: H::QUADRATURE.poles(),
         ..Properties::of(&H::PLAN, size_of::<H::Memory<f64>>())
     };
-    const POINTS: Option<&'static [elements::Stage]> = Some(H::QUADRATURE.stages);
-    type Prepared<K: Constant> = Of<H::Prepared, K>;
+    const POINTS: Option<&'static [elements::QuadraturePoint]> = Some(H::QUADRATURE.stages);
+    type Prepared<K: Constant> = ConstantsIn<H::Prepared, K>;
     type Memory<S: Scalar> = H::Memory<S>;
-    type Compensated<S: Scalar> = Compensation<S, D>;
-    type Carry<S: Scalar> = H::Carry<S>;
+    type CompensatedSum<S: Scalar> = FixedCompensatedSum<S, D>;
+    type Sum<S: Scalar> = H::Sum<S>;
 
-    fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
+    fn prepare<K: Constant>(
+        system: &H,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<Self::Prepared<K>, ConfigError> {
         let prepared = system.prepare(lift, h)?;
         elements::check_places(system)?;
         Ok(prepared)
@@ -196,14 +209,14 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         _: &H,
         prepared: &Self::Prepared<K>,
-        at: At<'_, S, K, impl Movable<S> + ?Sized>,
+        at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.lists();
+        let StepArguments { t, h, q, p, dw } = at.lists();
         let (q, p) = (array_mut(q)?, array_mut(p)?);
         let dw = increments::<_, N>(dw)?;
         let mut next = Solution::nowhere();

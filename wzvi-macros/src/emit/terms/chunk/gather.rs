@@ -129,7 +129,7 @@ impl Chunk<'_> {
             items: quote! {
                 #items
                 let mut __block = __wzvi::elements::Placements::<
-                    __S, #number, __S::OfElements<Self::Usual>, #of_entries, #of_values
+                    __S, #number, __S::OfElements<Self::CommonRange>, #of_entries, #of_values
                 >::new();
             },
             values: names.iter().map(|name| quote!(#name)).collect(),
@@ -137,7 +137,7 @@ impl Chunk<'_> {
             compute: quote! {
                 __block.take::<__Interaction, #of_own>(__few, [#(#own),*]);
             },
-            open: quote!(let [#(#names),*] = __block.slopes(__lane);),
+            open: quote!(let [#(#names),*] = __block.gradient(__lane);),
         }
     }
 }

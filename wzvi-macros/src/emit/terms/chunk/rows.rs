@@ -107,7 +107,7 @@ impl<'a> Interaction<'a> {
             struct __Interaction;
             impl #elements::Pair<#(#sizes),*> for __Interaction {
                 #[cfg_attr(not(debug_assertions), inline(always))]
-                fn slopes<#number: __wzvi::Scalar>(
+                fn gradient<#number: __wzvi::Scalar>(
                     [#(#own),*]: [#number; #of_own],
                     [#(#partner),*]: [#number; #of_partner],
                     [#(#entries),*]: [#number; #of_entries],

@@ -120,7 +120,8 @@ impl Chunk<'_> {
                 let (position, size) = (self.indices.position(index), Literal::i128_unsuffixed(stride));
                 if stride == 1 { position } else { quote!(#position / #size) }
             });
-            code.ordering.extend(quote!(__len = __wzvi::elements::apart(__len, #before, #own);));
+            code.ordering
+                .extend(quote!(__len = __wzvi::elements::disjoint_placements(__len, #before, #own);));
         }
         code.added.push(j);
     }

@@ -1,4 +1,4 @@
-//! The slopes of a body and a block of its partners.
+//! The derivatives of a body and a block of its partners.
 
 use std::any::TypeId;
 
@@ -6,14 +6,14 @@ use super::{LANES, Pair};
 use crate::algebra::scalar::{Number, Scalar};
 use crate::scheme::elements::are_finite;
 
-/// Number of partners whose slopes are computed in one loop. The compiler vectorises this loop; it would
+/// Number of partners whose derivatives are computed in one loop. The compiler vectorises this loop; it would
 /// unroll one half as long.
 pub(super) const BLOCK: usize = 2 * LANES;
 
 /// Number of partners in one loop for rows that have as many: the sums wait for the loop before.
 pub(super) const LARGE_BLOCK: usize = 2 * BLOCK;
 
-/// Slopes by a body and by the first `few` of a block of partners in columns.
+/// Derivatives by a body and by the first `few` of a block of partners in columns.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn fill<
     S: Scalar,
@@ -40,7 +40,7 @@ fn fill<
         for k in 0..M {
             entry[k] = T::of(entries[k][place]);
         }
-        let slopes = K::slopes(own, point, entry);
+        let slopes = K::gradient(own, point, entry);
         for k in 0..F {
             by_own[k][place] = slopes.0[k].kept();
         }
@@ -50,18 +50,18 @@ fn fill<
     }
 }
 
-/// The slopes by a body and by partners in columns, aligned to a cache line, which is as wide as the widest
-/// registers.
+/// The derivatives by a body and by partners in columns, aligned to a cache line, which is as wide as the
+/// widest registers.
 #[derive(Debug)]
 #[repr(align(64))]
-pub(in crate::scheme::elements) struct Block<S, const B: usize, const D: usize, const F: usize> {
+pub(in crate::scheme::elements) struct GradientBlock<S, const B: usize, const D: usize, const F: usize> {
     pub(in crate::scheme::elements) by_own: [[S; B]; F],
     pub(in crate::scheme::elements) by_partner: [[S; B]; D],
 }
 
-impl<S: Scalar, const B: usize, const D: usize, const F: usize> Block<S, B, D, F> {
-    /// Computes the slopes of the first `most` of a block of partners, of which the first `few` are needed,
-    /// in numbers `U`, and again in numbers `T` if a result in `U` is not finite.
+impl<S: Scalar, const B: usize, const D: usize, const F: usize> GradientBlock<S, B, D, F> {
+    /// Computes the derivatives of the first `most` of a block of partners, of which the first `few` are
+    /// needed, in numbers `U`, and again in numbers `T` if a result in `U` is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn fill<T, U, K, const O: usize, const M: usize>(
         &mut self,
@@ -84,14 +84,14 @@ impl<S: Scalar, const B: usize, const D: usize, const F: usize> Block<S, B, D, F
         if TypeId::of::<T>() != TypeId::of::<U>()
             && !(if few == B { self.is_finite(B) } else { self.is_finite(few) })
         {
-            self.fill_one_by_one::<T, K, O, M>(few, own, points, entries);
+            self.fill_in_full_range::<T, K, O, M>(few, own, points, entries);
         }
     }
 
     /// Fills the block in numbers `T`.
     #[cold]
     #[inline(never)]
-    pub(in crate::scheme::elements) fn fill_one_by_one<T, K, const O: usize, const M: usize>(
+    pub(in crate::scheme::elements) fn fill_in_full_range<T, K, const O: usize, const M: usize>(
         &mut self,
         few: usize,
         own: [T; O],
@@ -105,13 +105,13 @@ impl<S: Scalar, const B: usize, const D: usize, const F: usize> Block<S, B, D, F
         fill::<S, T, K, O, D, M, F, B>(few, own, points, entries, by_own, by_partner);
     }
 
-    /// Whether the first `few` of all slopes are finite: of `f64`, by bits without signs, so that there is no
-    /// chain of sums.
+    /// Whether the first `few` of all derivatives are finite: of `f64`, by bits without signs, so that there
+    /// is no chain of sums.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(&self, few: usize) -> bool {
         let mut poison = 0;
         for numbers in self.by_own.iter().chain(&self.by_partner) {
-            match S::plain(&numbers[..few]) {
+            match S::as_f64s(&numbers[..few]) {
                 Some(numbers) => numbers.iter().for_each(|number| poison |= (number * 0.0).to_bits() << 1),
                 None => poison |= u64::from(!are_finite(&numbers[..few])),
             }

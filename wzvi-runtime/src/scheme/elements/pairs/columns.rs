@@ -9,16 +9,16 @@ use super::partners::Partners;
 use super::{Pair, Row};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::Number;
-use crate::scheme::elements::beside::LEAST_BESIDE;
-use crate::scheme::elements::sums::{Given, Places, Points, Sums};
-use crate::scheme::elements::{Elements, Point, Slopes};
+use crate::scheme::elements::gather::LEAST_GATHERED;
+use crate::scheme::elements::sums::{ElementInput, PointRun, Sums, VectorRun};
+use crate::scheme::elements::{Elements, EvaluationPoint, Partials};
 
 /// Degrees of freedom from which the copy into columns pays.
 pub(in crate::scheme::elements) const LEAST_IN_COLUMNS: usize = 64;
 
-/// Sums that are in columns, one for each component of points, while rows are added. Slopes are computed in
-/// numbers `U`, and in exact numbers where `U` has no finite result.
-struct Columns<'a, U> {
+/// Sums that are in columns, one for each component of points, while rows are added. Derivatives are computed
+/// in numbers `U`, and in exact numbers where `U` has no finite result.
+struct ColumnSums<'a, U> {
     sums: &'a mut [f64],
     /// Columns of coordinates and of sums, each followed by a block of padding.
     room: &'a mut PairColumns,
@@ -49,14 +49,14 @@ fn on_lines(room: &mut [f64]) -> &mut [f64] {
     &mut room[first..]
 }
 
-impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
+impl<U: Number<f64>> Sums<f64> for ColumnSums<'_, U> {
     type Outer = Range<isize>;
     type Run<'r>
-        = Places<'r, f64>
+        = VectorRun<'r, f64>
     where
         Self: 'r;
     type Points<'r, const D: usize>
-        = Points<'r, f64, D>
+        = PointRun<'r, f64, D>
     where
         Self: 'r;
 
@@ -65,11 +65,11 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         self.sums.outer(variable, values)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run(&mut self, first: usize, len: usize) -> Places<'_, f64> {
+    fn run(&mut self, first: usize, len: usize) -> VectorRun<'_, f64> {
         self.sums.run(first, len)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn points<const D: usize>(&mut self, first: usize, len: usize) -> Points<'_, f64, D> {
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> PointRun<'_, f64, D> {
         self.sums.points(first, len)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -79,7 +79,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gathers(&self, low: isize, end: isize) -> bool {
-        end - low >= LEAST_BESIDE
+        end - low >= LEAST_GATHERED
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -99,7 +99,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     fn row<
         T: Number<f64>,
         K: Pair<O, D, M, F>,
-        V: Given<f64> + ?Sized,
+        V: ElementInput<f64> + ?Sized,
         const O: usize,
         const D: usize,
         const M: usize,
@@ -138,28 +138,28 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     }
 }
 
-/// Whether slopes of this system may be computed in vector instructions.
+/// Whether derivatives of this system may be computed in vector instructions.
 pub(in crate::scheme::elements) const fn may_take_vectors<H: Elements>() -> bool {
     H::FACTS.has_pairs || H::FACTS.gathers.by_q || H::FACTS.gathers.by_p
 }
 
-/// Whether slopes of a system of this size are computed in vector instructions:
+/// Whether derivatives of a system of this size are computed in vector instructions:
 /// [rows](crate::scheme::plan::Facts::has_pairs) in columns, and [gathered
 /// placements](crate::scheme::plan::Facts::gathers) in blocks.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(in crate::scheme::elements) fn takes_vectors<H: Elements>(wanted: Slopes, degrees: usize) -> bool {
+pub(in crate::scheme::elements) fn takes_vectors<H: Elements>(wanted: Partials, degrees: usize) -> bool {
     let by_q = wanted.by_q && (H::FACTS.has_pairs || H::FACTS.gathers.by_q);
     (by_q || (wanted.by_p && H::FACTS.gathers.by_p)) && degrees >= LEAST_IN_COLUMNS
 }
 
-/// [`Elements::slopes`] with rows in columns and blocks of placements.
+/// [`Elements::gradient`] with rows in columns and blocks of placements.
 struct InColumns<'a, H: Elements> {
     system: &'a H,
     part: (usize, f64),
-    at: &'a Point<'a, f64>,
-    wanted: Slopes,
-    by_q: Columns<'a, H::Usual>,
-    by_p: Columns<'a, H::Usual>,
+    at: &'a EvaluationPoint<'a, f64>,
+    wanted: Partials,
+    by_q: ColumnSums<'a, H::CommonRange>,
+    by_p: ColumnSums<'a, H::CommonRange>,
 }
 
 impl<H: Elements> Kernel for InColumns<'_, H> {
@@ -168,23 +168,23 @@ impl<H: Elements> Kernel for InColumns<'_, H> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
         let Self { system, part: (part, weight), at, wanted, mut by_q, mut by_p } = self;
-        system.slopes::<f64, H::Exact>(part, weight, at, wanted, &mut by_q, &mut by_p);
+        system.gradient::<f64, H::Exact>(part, weight, at, wanted, &mut by_q, &mut by_p);
     }
 }
 
-/// [`Elements::slopes`] in the best vector instructions of the machine.
+/// [`Elements::gradient`] in the best vector instructions of the machine.
 #[inline(never)]
-pub(in crate::scheme::elements) fn slopes<H: Elements>(
+pub(in crate::scheme::elements) fn gradient_in_columns<H: Elements>(
     system: &H,
     part: (usize, f64),
-    at: &Point<'_, f64>,
-    wanted: Slopes,
+    at: &EvaluationPoint<'_, f64>,
+    wanted: Partials,
     by_q: &mut [f64],
     by_p: &mut [f64],
     room: &mut PairColumns,
 ) {
-    let by_q = Columns { sums: by_q, room, number: PhantomData };
+    let by_q = ColumnSums { sums: by_q, room, number: PhantomData };
     // No rows add to these.
-    let by_p = Columns { sums: by_p, room: &mut PairColumns::default(), number: PhantomData };
+    let by_p = ColumnSums { sums: by_p, room: &mut PairColumns::default(), number: PhantomData };
     InstructionSet::best().run(InColumns { system, part, at, wanted, by_q, by_p });
 }

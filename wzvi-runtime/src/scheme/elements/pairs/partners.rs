@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use super::block::{BLOCK, Block, LARGE_BLOCK, add, add_few};
+use super::block::{BLOCK, GradientBlock, LARGE_BLOCK, add, add_few};
 use super::{LANES, Pair, Row, total};
 use crate::algebra::scalar::Number;
 
@@ -48,8 +48,8 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
         &mut self.sums[self.first + k * self.stride + first..].as_chunks_mut().0[0]
     }
 
-    /// Adds the slopes by the first `few` partners of a block to their sums, and those by the body to the
-    /// sums of the lanes, in full groups of [`LANES`]. Returns all slopes by the body.
+    /// Adds the derivatives by the first `few` partners of a block to their sums, and those by the body to
+    /// the sums of the lanes, in full groups of [`LANES`]. Returns all derivatives by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet_block<T, U, K, const O: usize, const F: usize, const B: usize>(
         &mut self,
@@ -62,7 +62,7 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
         U: Number<f64>,
         K: Pair<O, D, M, F>,
     {
-        let mut block = Block { by_own: [[0.0; B]; F], by_partner: [[0.0; B]; D] };
+        let mut block = GradientBlock { by_own: [[0.0; B]; F], by_partner: [[0.0; B]; D] };
         let points = heads(&self.points, first);
         if few == B || M == 0 {
             block.fill::<T, U, K, O, M>(B, few, row.own, points, heads(&self.entries, first));
@@ -84,7 +84,7 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
         *by_own
     }
 
-    /// Adds the slopes by all partners to their sums; returns the sums of those by the body.
+    /// Adds the derivatives by all partners to their sums; returns the sums of those by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn meet<T, U, K, const O: usize, const F: usize>(
         mut self,

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot, Span};
+use super::{Atom, Entries, Index, IntegerRange, Loop, Name, Nest, Places, Position, Slot};
 use crate::error::{IndexError, IndexLimit, StepFailure};
 use crate::scheme::elements::Elements;
 
@@ -16,7 +16,7 @@ struct Fault {
 /// The intervals of nested loops, from the innermost fixed one outwards.
 #[derive(Clone, Copy)]
 struct Bounds<'b> {
-    span: Span,
+    span: IntegerRange,
     depth: usize,
     outer: Option<&'b Self>,
 }
@@ -85,7 +85,7 @@ impl Survey<'_> {
                 .into_iter()
                 .try_for_each(|span| self.prove(nest, Some(&Bounds { span, ..*last })));
         }
-        match self.next(nest, fixed)? {
+        match self.next_loop(nest, fixed)? {
             Next::Inside(inner) => self.prove(nest, Some(&inner)),
             Next::Nothing => Ok(()),
             // A single placement, out of range.
@@ -94,11 +94,11 @@ impl Survey<'_> {
     }
 
     /// The next loop inwards, with all values that its variable takes.
-    fn next<'b>(&self, nest: &'static Nest, fixed: Option<&'b Bounds<'b>>) -> Result<Next<'b>, Fault> {
+    fn next_loop<'b>(&self, nest: &'static Nest, fixed: Option<&'b Bounds<'b>>) -> Result<Next<'b>, Fault> {
         let depth = fixed.map_or(0, |last| last.depth + 1);
         let Some(Loop(start, end)) = nest.loops.get(depth) else { return Ok(Next::Body) };
         let (start, end) = (self.span(start, fixed)?, self.span(end, fixed)?);
-        let span = Span { low: start.low, high: end.high - 1 };
+        let span = IntegerRange { low: start.low, high: end.high - 1 };
         Ok(if span.low > span.high {
             Next::Nothing
         } else {
@@ -107,12 +107,12 @@ impl Survey<'_> {
     }
 
     fn slots(&self, nest: &'static Nest, fixed: Option<&Bounds<'_>>) -> Result<(), Fault> {
-        match self.next(nest, fixed)? {
+        match self.next_loop(nest, fixed)? {
             Next::Inside(inner) => self.slots(nest, Some(&inner)),
             Next::Nothing => Ok(()),
             Next::Body => nest.slots.iter().try_for_each(|slot| match slot {
                 Slot::State(index) | Slot::Natural(index) => {
-                    let Span { low, high } = self.span(index, fixed)?;
+                    let IntegerRange { low, high } = self.span(index, fixed)?;
                     let is_natural = matches!(slot, Slot::Natural(_));
                     let outlier = if low < 0 && !is_natural { low } else { high };
                     let is_inside = outlier >= 0 && high < self.degrees as i128;
@@ -138,7 +138,7 @@ impl Survey<'_> {
         let points = self.degrees / components;
         for (atom, coefficient) in index.terms {
             let Atom::Given(table, positions) = atom else { continue };
-            let Ok(Some(Span { low, high })) = self.given(*table, positions, at) else { continue };
+            let Ok(Some(IntegerRange { low, high })) = self.given(*table, positions, at) else { continue };
             if *coefficient == components as i128
                 && !positions.is_empty()
                 && !(low >= 0 && high < points as i128)
@@ -161,14 +161,17 @@ impl Survey<'_> {
     }
 
     /// The interval of an index. All its values and partial sums must be in the range of `isize`.
-    fn span(&self, index: &'static Index, at: Option<&Bounds<'_>>) -> Result<Span, Fault> {
-        let mut sum = Span::at(0);
+    fn span(&self, index: &'static Index, at: Option<&Bounds<'_>>) -> Result<IntegerRange, Fault> {
+        let mut sum = IntegerRange::at(0);
         let parts =
             index.terms.iter().map(|(atom, coefficient)| Ok((self.atom(atom, index, at)?, *coefficient)));
-        for part in parts.chain([Ok((Span::at(index.constant), 1))]) {
+        for part in parts.chain([Ok((IntegerRange::at(index.constant), 1))]) {
             let (part, coefficient) = part?;
-            let part = integers(part.corners(Span::at(coefficient), i128::saturating_mul), index)?;
-            sum = Span { low: sum.low.saturating_add(part.low), high: sum.high.saturating_add(part.high) };
+            let part = integers(part.corners(IntegerRange::at(coefficient), i128::saturating_mul), index)?;
+            sum = IntegerRange {
+                low: sum.low.saturating_add(part.low),
+                high: sum.high.saturating_add(part.high),
+            };
             sum = integers(sum, index)?;
         }
         Ok(sum)
@@ -179,7 +182,7 @@ impl Survey<'_> {
         atom: &'static Atom,
         whole: &'static Index,
         at: Option<&Bounds<'_>>,
-    ) -> Result<Span, Fault> {
+    ) -> Result<IntegerRange, Fault> {
         let both = |[a, b]: &'static [Index; 2]| Ok((self.span(a, at)?, self.span(b, at)?));
         let divisor = |operands: &'static [Index; 2]| {
             let (a, b) = both(operands)?;
@@ -189,9 +192,9 @@ impl Survey<'_> {
         };
         let value = match atom {
             Atom::Loop(depth) => Bounds::span_at(at, *depth),
-            Atom::Size => Span::at((self.degrees / self.places.components) as i128),
+            Atom::Size => IntegerRange::at((self.degrees / self.places.components) as i128),
             Atom::Given(table, positions) => {
-                let span = self.given(*table, positions, at)?.unwrap_or(Span::at(0));
+                let span = self.given(*table, positions, at)?.unwrap_or(IntegerRange::at(0));
                 let limit = |value: i128| Fault {
                     error: self.error(*table, value, IndexLimit::Integers),
                     needs_degrees: false,
@@ -215,11 +218,11 @@ impl Survey<'_> {
             }
             Atom::Minimum(operands) => {
                 let (a, b) = both(operands)?;
-                Span { low: a.low.min(b.low), high: a.high.min(b.high) }
+                IntegerRange { low: a.low.min(b.low), high: a.high.min(b.high) }
             }
             Atom::Maximum(operands) => {
                 let (a, b) = both(operands)?;
-                Span { low: a.low.max(b.low), high: a.high.max(b.high) }
+                IntegerRange { low: a.low.max(b.low), high: a.high.max(b.high) }
             }
         };
         integers(value, whole)
@@ -231,7 +234,7 @@ impl Survey<'_> {
         table: usize,
         positions: &'static [Position],
         at: Option<&Bounds<'_>>,
-    ) -> Result<Option<Span>, Fault> {
+    ) -> Result<Option<IntegerRange>, Fault> {
         let (mut few, mut many) = ([0; 8], Vec::new());
         let outer = if positions.len() <= few.len() {
             &mut few[..]
@@ -250,11 +253,11 @@ impl Survey<'_> {
         outer: &mut [usize],
         level: usize,
         at: Option<&Bounds<'_>>,
-    ) -> Result<Option<Span>, Fault> {
+    ) -> Result<Option<IntegerRange>, Fault> {
         let Some(Position { index, is_inside }) = positions.get(level) else {
             return Ok((self.entries)(table, &[], 0..0).span);
         };
-        let Span { low, high } = self.span(index, at)?;
+        let IntegerRange { low, high } = self.span(index, at)?;
         let is_last = level + 1 == positions.len();
         let range = usize::try_from(low).unwrap_or(0)..usize::try_from(high + 1).unwrap_or(0);
         let wanted = if is_last { range.clone() } else { 0..0 };
@@ -268,7 +271,7 @@ impl Survey<'_> {
         if is_last {
             return Ok(found.span);
         }
-        let mut all: Option<Span> = None;
+        let mut all: Option<IntegerRange> = None;
         for entry in range.start..range.end.min(found.length) {
             outer[level] = entry;
             let Some(span) = self.entries(table, positions, outer, level + 1, at)? else { continue };
@@ -313,7 +316,7 @@ impl Survey<'_> {
             self.largest(nest, index, Some(&halves[first]), most)?;
             return self.largest(nest, index, Some(&halves[second]), most);
         }
-        match self.next(nest, fixed)? {
+        match self.next_loop(nest, fixed)? {
             Next::Inside(inner) => self.largest(nest, index, Some(&inner), most)?,
             Next::Body => *most = bound?,
             Next::Nothing => {}
@@ -328,7 +331,7 @@ impl Survey<'_> {
         index: &'static Index,
         fixed: Option<&Bounds<'_>>,
     ) -> Result<i128, Fault> {
-        match self.next(nest, fixed)? {
+        match self.next_loop(nest, fixed)? {
             Next::Inside(inner) => self.bound(nest, index, Some(&inner)),
             Next::Body => Ok(self.span(index, fixed)?.high.max(-1)),
             Next::Nothing => Ok(-1),
@@ -346,7 +349,7 @@ enum Next<'b> {
 }
 
 impl Bounds<'_> {
-    fn span_at(inner: Option<&Self>, depth: usize) -> Span {
+    fn span_at(inner: Option<&Self>, depth: usize) -> IntegerRange {
         let mut known = inner;
         while let Some(Bounds { span, depth: own, outer }) = known {
             if *own == depth {
@@ -354,7 +357,7 @@ impl Bounds<'_> {
             }
             known = *outer;
         }
-        Span::at(0)
+        IntegerRange::at(0)
     }
 }
 
@@ -374,11 +377,11 @@ impl Index {
 }
 
 /// An end of `span` outside the range of `isize`, if there is one.
-fn outlier(span: Span) -> Option<i128> {
+fn outlier(span: IntegerRange) -> Option<i128> {
     [span.high, span.low].into_iter().find(|&value| isize::try_from(value).is_err())
 }
 
-fn integers(span: Span, index: &'static Index) -> Result<Span, Fault> {
+fn integers(span: IntegerRange, index: &'static Index) -> Result<IntegerRange, Fault> {
     match outlier(span) {
         None => Ok(span),
         Some(value) => {

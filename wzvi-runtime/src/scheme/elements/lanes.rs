@@ -1,0 +1,140 @@
+//! The fixed point of independent paths in the lanes of a number.
+//!
+//! Each path takes the decisions that it takes alone, by the same comparisons. Its unknowns stay as they are
+//! once its equations are solved, while those of others go on. Where a path needs more than a fixed point
+//! that contracts, all go alone in this step.
+
+use super::costs::{Costs, FAST};
+use super::iterate::{IterationState, NEARLY_SOLVED, ROUNDING};
+use super::memory::StepLists;
+use super::pairs::LEAST_IN_COLUMNS;
+use super::step::LoopStep;
+use super::{Elements, Quadrature, Unknowns};
+use crate::algebra::scalar::{Mask, Scalar};
+use crate::algebra::solve::astray;
+use crate::error::StepFailure;
+use crate::scheme::plan::Facts;
+
+/// The most degrees of freedom of paths of an implicit scheme that go side by side: the lists of many larger
+/// ones fill the cache.
+const MOST: usize = 64;
+
+/// Whether paths of an implicit scheme are solved side by side: not where the derivatives of each are in
+/// vector instructions by themselves. Linear equations are solved with kept factors.
+pub(super) const fn allow_lanes(facts: &Facts, quadrature: &Quadrature) -> bool {
+    let takes_vectors = facts.has_pairs || facts.gathers.by_q || facts.gathers.by_p;
+    let is_small = facts.degrees <= MOST && !(takes_vectors && facts.degrees >= LEAST_IN_COLUMNS);
+    is_small && !quadrature.is_linear
+}
+
+/// Whether numbers are several independent paths.
+pub(super) const fn is_in_lanes<S: Scalar>() -> bool {
+    S::LANES_ARE_PATHS && S::LANES > 1
+}
+
+/// What a correction, relative to the largest unknown, says together with the one before.
+#[derive(Clone, Copy)]
+pub(super) struct ConvergenceRate<R: Scalar> {
+    relative: R,
+    ratio: R,
+    is_second: R::Mask,
+}
+
+impl<R: Scalar> ConvergenceRate<R> {
+    /// From the last two corrections; the one before the first is infinite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn of(relative: R, last: R) -> Self {
+        Self { relative, ratio: relative / last, is_second: last.less(R::from_f64(f64::INFINITY)) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn predicts(self) -> R::Mask {
+        self.is_second & self.ratio.less(R::from_f64(0.5))
+    }
+
+    /// The ratio of the next correction to this one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn expected(self) -> R {
+        R::select(self.predicts(), self.ratio, R::from_f64(1.0))
+    }
+
+    /// Whether this correction or the next one changes nothing.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn is_enough(self) -> R::Mask {
+        let next = (self.relative * self.ratio).less_equal(R::from_f64(0.25 * ROUNDING));
+        self.relative.less_equal(R::from_f64(ROUNDING)) | (self.predicts() & next)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn stagnates(self) -> R::Mask {
+        self.is_second & R::from_f64(0.5).less(self.ratio)
+    }
+
+    /// Whether other corrections are worth their cost.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn needs_more(self, is_newton: bool, costs: Costs) -> R::Mask {
+        let is_slow = self.is_second & R::from_f64(FAST).less(self.ratio);
+        let is_open = is_slow & R::from_f64(NEARLY_SOLVED).less(self.relative);
+        if is_open.any() {
+            let Self { relative, ratio, .. } = self;
+            let pay = R::Mask::of_lanes(|lane| costs.pay(is_newton, relative.lane(lane), ratio.lane(lane)));
+            return self.stagnates() | (is_open & !pay);
+        }
+        self.stagnates()
+    }
+}
+
+impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
+    /// [`LoopStep::is_solved`] of all paths.
+    ///
+    /// # Errors
+    /// If a path needs another method.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn are_solved(
+        self,
+        lists: &StepLists<'_, S>,
+        iteration: &mut IterationState<S>,
+        relative: S,
+    ) -> Result<bool, StepFailure> {
+        let pace = ConvergenceRate::of(relative, iteration.last);
+        let mut solved = iteration.solved;
+        let is_enough = pace.is_enough() & !solved;
+        if is_enough.any() {
+            solved = solved | (is_enough & self.resolves(lists, pace.expected(), S::abs));
+        }
+        if !solved.all() {
+            solved = solved | self.changes_nothing(lists);
+        }
+        (iteration.solved, iteration.last) = (solved, relative);
+        if (pace.needs_more(false, iteration.costs) & !solved).any() {
+            return Err(astray(iteration.iterations, relative.magnitude()));
+        }
+        Ok(solved.all())
+    }
+}
+
+/// Corrections of zero where equations are solved.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn hold<S: Scalar>(corrections: &mut [S], solved: S::Mask) {
+    for correction in corrections {
+        *correction = S::select(solved, S::from_f64(0.0), *correction);
+    }
+}
+
+/// [`subtract`](super::passes::subtract) of each path.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn subtract_in_lanes<S: Scalar>(kind: Unknowns, x: &mut [S], corrections: &[S]) -> S {
+    let zero = S::from_f64(0.0);
+    let (mut sizes, mut zeros) = ([[zero; 2]; 2], zero);
+    for (k, (x, &correction)) in x.iter_mut().zip(corrections).enumerate() {
+        *x = *x - correction;
+        let own = &mut sizes[if kind == Unknowns::Both { k % 2 } else { 0 }];
+        for (most, number) in own.iter_mut().zip([*x, correction]) {
+            *most = S::select(most.less(number.abs()), number.abs(), *most);
+        }
+        // A maximum may lose a number that is not finite.
+        zeros = zeros + correction * 0.0;
+    }
+    let [first, second] = sizes.map(|[size, change]| change / (size + f64::MIN_POSITIVE));
+    S::select(first.less(second), second, first) + zeros
+}

@@ -1,0 +1,132 @@
+//! Sequences of kicks, drifts, and moves of single sites.
+
+use std::ops::Range;
+
+use super::{NewState, TilePlan, advance};
+use crate::algebra::scalar::{Number, Scalar};
+use crate::error::StepFailure;
+use crate::scheme::elements::{ElementInput, Elements, Partials, Sums};
+
+/// A flow of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, or of a part of it, as the force or the velocity
+/// that it adds.
+#[derive(Clone, Copy, Debug)]
+pub struct Flow<'a, S: Scalar> {
+    /// The time at which it is evaluated.
+    pub t: S::Constant,
+    /// The increment of the drift, negative for a kick.
+    pub h: S::Constant,
+    /// As in [`EvaluationPoint`](crate::scheme::elements::EvaluationPoint).
+    pub parameters: &'a [S::Constant],
+    /// The increments of the noises, negative for a kick.
+    pub dw: &'a [S],
+}
+
+/// The arguments of a force other than the coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceArguments {
+    /// The time, if the force reads it.
+    pub t: Option<f64>,
+    /// The increment of the drift.
+    pub h: f64,
+}
+
+/// Compares all bits.
+impl PartialEq for ForceArguments {
+    fn eq(&self, other: &Self) -> bool {
+        self.h.to_bits() == other.h.to_bits() && self.t.map(f64::to_bits) == other.t.map(f64::to_bits)
+    }
+}
+
+/// How the derivatives by the coordinates of a site, summed or one by one, are added to its momentum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KickForm {
+    /// `p - sum`
+    Minus,
+    /// `p + (0 - sum)`
+    MinusFromZero,
+    /// `p + sum`, where [`Word::ADDS_TERMS`]
+    Plus,
+    /// `((p + term) + term) + ...`, where [`Word::ADDS_TERMS`]
+    Terms,
+}
+
+/// A move of every site.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Move {
+    /// Adds forces to momenta.
+    Kick(KickForm),
+    /// Adds velocities to coordinates: their sum, or term by term where [`Word::ADDS_TERMS`].
+    Drift,
+    /// [`Word::change_momenta`]
+    Momenta,
+    /// [`Word::change_state`]
+    State,
+}
+
+/// The parts of a step, which move the state one after the other, on several threads at once: each has its
+/// own places.
+pub trait Word: Copy + Send + Sync {
+    /// Whether derivatives have the sign with which they are added.
+    const ADDS_TERMS: bool = true;
+    /// Whether there are parts other than kicks and drifts, and possibly several drifts between two kicks.
+    const CHANGES: bool = false;
+    /// Whether sums are compensated, of kicks and drifts with `p + sum` and `q + sum` alone.
+    const CARRIES: bool = false;
+
+    /// Number of parts.
+    fn count(&self) -> usize;
+
+    /// The kind of a part.
+    fn kind(&self, number: usize) -> Move;
+
+    /// The arguments of the force of a kick other than the coordinates, if the kick is at an end of the step,
+    /// where the force may be reused.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, number: usize) -> Option<ForceArguments> {
+        let _ = number;
+        None
+    }
+
+    /// Adds the derivatives by `state`: the coordinates for a kick, the momenta for a drift.
+    fn add_gradient<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Partials, into: &mut A)
+    where
+        H: Elements + Sync,
+        T: Number<f64>,
+        V: ElementInput<f64> + ?Sized,
+        A: Sums<f64>;
+
+    /// What rounding took from coordinates and from momenta before, if sums are compensated.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lost(&self) -> [&[f64]; 2] {
+        [&[]; 2]
+    }
+
+    /// Changes the momenta of some places one by one, and what rounding took from them if sums are
+    /// compensated; may be called again.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64], lost: &mut [f64]) {
+        let _ = (number, places, p, lost);
+    }
+
+    /// Changes coordinates and momenta of some places one by one, and may be called again.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_state(&self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
+        let _ = (number, places, q, p);
+    }
+}
+
+/// Takes all parts of a step from `q` and `p`, if the system [has
+/// tiles](crate::scheme::plan::Facts::has_tiles).
+///
+/// # Errors
+/// [`StepFailure::NonFinite`] if the new state is not finite.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn take_tiles<'p, H: Elements + Sync, W: Word>(
+    system: &H,
+    word: &mut W,
+    q: &[f64],
+    p: &[f64],
+    plan: &'p mut TilePlan,
+) -> Option<Result<NewState<'p>, StepFailure>> {
+    H::FACTS.has_tiles.then(|| advance(system, *word, [q, p], plan))
+}

@@ -1,0 +1,20 @@
+//! One path: its steps, its recorded nodes, and how it resumes after a stop.
+
+pub(crate) mod between;
+pub mod chaos;
+pub mod checkpoint;
+pub mod error;
+pub(crate) mod exclusive_setting;
+pub(crate) mod options;
+pub mod recorded;
+pub(crate) mod recording;
+pub mod retry;
+pub mod section;
+pub mod series;
+pub mod simulate;
+pub(crate) mod span;
+pub mod step;
+pub(crate) mod steps;
+pub(crate) mod watch;
+
+pub use error::Error;

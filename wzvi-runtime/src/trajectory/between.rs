@@ -1,0 +1,96 @@
+//! What a run looks for between its nodes: recorded times and crossings of sections.
+
+use crate::algebra::state::{State, Vector, copy_state};
+use crate::scheme::dense::DenseOutput;
+use crate::trajectory::recorded::Recorder;
+use crate::trajectory::recording::TimeInStep;
+use crate::trajectory::section::{SectionWatch, Sections};
+
+/// Looks into the steps of one path.
+pub(crate) struct BetweenNodes<'s, 'a, V> {
+    sections: &'s Sections<'a, V>,
+    pub(crate) watch: SectionWatch<V>,
+    /// The last node that was looked at.
+    pub(crate) before: State<V>,
+    node: u64,
+    /// A recorded state.
+    room: State<V>,
+}
+
+/// A step, or a part of it.
+pub(crate) struct StepPart<'p> {
+    /// The number of the step.
+    pub(crate) step: u64,
+    /// Its increments.
+    pub(crate) dw: &'p [f64],
+    /// The increments of the parts after it; empty where there are none.
+    pub(crate) later: &'p [f64],
+    /// Whether the step ends with it.
+    pub(crate) is_last: bool,
+}
+
+impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
+    /// For a path that starts at this state.
+    pub(crate) fn new(sections: &'s Sections<'a, V>, start: &State<V>) -> Self {
+        Self {
+            sections,
+            watch: SectionWatch::new(sections.functions(), start),
+            before: start.clone(),
+            node: 0,
+            room: start.clone(),
+        }
+    }
+
+    /// The next node, after this one, at which to look: both nodes of each step that something is looked for
+    /// in.
+    pub(crate) fn next_node(&self, node: u64, inside: Option<TimeInStep>) -> u64 {
+        match inside {
+            _ if !self.sections.is_empty() => node + 1,
+            Some(moment) if moment.step > node => moment.step,
+            Some(moment) => moment.step + 1,
+            None => u64::MAX,
+        }
+    }
+
+    /// Whether something is looked for in the step that ends at this node.
+    pub(crate) fn wants(&self, node: u64, inside: Option<TimeInStep>) -> bool {
+        let wants = !self.sections.is_empty() || inside.is_some_and(|moment| moment.step + 1 == node);
+        debug_assert!(!wants || self.node + 1 == node, "both nodes of a step are looked at");
+        wants
+    }
+
+    /// The path is at this node.
+    pub(crate) fn arrive(&mut self, node: u64, state: &State<V>) {
+        self.node = node;
+        copy_state(&mut self.before, state);
+    }
+
+    /// Everything that steps change of it, and the crossings so far; nothing where there are no sections.
+    pub(crate) fn pass(&mut self, recorder: &mut Recorder<V>, tape: &mut crate::ground::numbers::Tape) {
+        if !self.sections.is_empty() {
+            self.watch.pass(tape);
+            recorder.pass_crossings(&self.before, tape);
+        }
+    }
+
+    /// Looks into a step, or a part of it.
+    pub(crate) fn search(&mut self, dense: &DenseOutput<V>, part: &StepPart<'_>, recorder: &mut Recorder<V>) {
+        let Self { sections, watch, room, .. } = self;
+        while let Some(moment) = recorder.next_inside().filter(|moment| moment.step == part.step) {
+            let theta = dense.fraction(moment.t);
+            if theta > 1.0 && !part.is_last {
+                break;
+            }
+            let theta = theta.clamp(0.0, 1.0);
+            dense.write(theta, room);
+            room.t = moment.t;
+            let later = |process: usize| part.later.get(process).copied().unwrap_or(0.0);
+            recorder.keep_inside(room, |process| (1.0 - theta) * part.dw[process] + later(process));
+        }
+        watch.follow(sections.functions(), dense, &mut |crossing| {
+            if sections.want(&crossing) {
+                recorder.cross(crossing);
+            }
+        });
+    }
+}
