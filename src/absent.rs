@@ -1,4 +1,4 @@
-//! What stands in the prelude for types of features that are off, so that the compiler names the feature.
+//! Substitutes in the prelude for types of features that are off, so that the compiler names the feature.
 
 /// Never implemented: a type of the feature `report` is used without it.
 #[diagnostic::on_unimplemented(
@@ -6,9 +6,9 @@
     label = "switch it on with `cargo add wzvi --features report`"
 )]
 pub trait ReportFeature {
-    /// What would be made.
+    /// The type of the value that the feature would make.
     type Value;
-    /// It.
+    /// The value.
     fn value(self) -> Self::Value;
 }
 

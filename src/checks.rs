@@ -1,5 +1,5 @@
-//! What generated code hands the user's closures and schemes to, so that `rustc` checks their types where
-//! they were written. Nothing here is called.
+//! Functions and types that generated code hands the user's closures and schemes to, so that `rustc` checks
+//! their types where they were written. Nothing here is called.
 
 pub use core::marker::PhantomData;
 pub use core::primitive::f64;

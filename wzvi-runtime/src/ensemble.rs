@@ -124,7 +124,7 @@ impl<H: Hamiltonian> Default for EnsembleSettings<'_, H> {
 /// Scheme, noise, and whether each path has its own system.
 type EnsembleTypes<E, N, P> = PhantomData<fn() -> (E, N, P)>;
 
-/// What is computed besides moments.
+/// The statistics that a run computes besides moments.
 #[derive(Default)]
 struct ExtraStatistics {
     quantiles: bool,
@@ -391,7 +391,7 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
         self
     }
 
-    /// The same run, of other types.
+    /// This run with other type parameters.
     fn marked<M, Q>(self) -> Ensemble<'a, H, E, M, Q> {
         Ensemble { setup: self.setup, types: PhantomData }
     }

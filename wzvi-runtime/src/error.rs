@@ -1,7 +1,7 @@
 //! Errors. Each says where, why and what to do; none leaves a state changed.
 
-/// What errors say: for patterns of a type the format of a message and its arguments. The message of an error
-/// contains those of its causes, so that none has a source.
+/// Writes the messages of an error: for each pattern of the type a format and its arguments. The message of
+/// an error contains those of its causes, so that none has a source.
 macro_rules! messages {
     ($type:ty: $($pattern:pat $(if $guard:expr)? => $format:literal $(, $argument:expr)*;)+) => {
         impl std::fmt::Display for $type {
@@ -115,23 +115,23 @@ pub enum ConfigError {
     PathStart {
         /// Number of the path, from 0.
         path: u64,
-        /// What is wrong.
+        /// The failure of the step.
         cause: StepFailure,
     },
     /// The system of a path of an ensemble cannot be run.
     PathSystem {
         /// Number of the path, from 0.
         path: u64,
-        /// What is wrong.
+        /// The error of the system.
         cause: Box<ConfigError>,
     },
     /// Something was asked for that needs a bath at one constant temperature.
     NoEquilibrium {
-        /// What was asked for, as it is written.
+        /// The method that needs the temperature, as it is written.
         asked: &'static str,
         /// Why there is no such temperature.
         why: &'static str,
-        /// What there is.
+        /// The methods to call instead.
         instead: &'static str,
     },
     /// A setting of a noise or a builder is invalid; the message says what to do.
@@ -183,7 +183,7 @@ pub(crate) fn above_zero<E: From<ConfigError>>(
 /// An unknown name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownName {
-    /// What was asked for: `observable`, `event` or `variable`.
+    /// The kind of thing with a name: `observable`, `event` or `variable`.
     pub kind: &'static str,
     /// The name.
     pub name: String,
@@ -192,7 +192,7 @@ pub struct UnknownName {
 }
 
 impl UnknownName {
-    /// What stands under this name among all of its kind.
+    /// The thing with this name among all of its kind.
     pub(crate) fn find<N: AsRef<str>, T>(
         kind: &'static str,
         name: &str,

@@ -1,4 +1,4 @@
-//! What everything stands on: numbers as words, digits, clocks, names.
+//! The base of all other modules: numbers as words, digits, clocks, names.
 
 pub(crate) mod checksum;
 pub(crate) mod clock;

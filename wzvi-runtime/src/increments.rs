@@ -1,4 +1,4 @@
-//! Where the increments of a path come from.
+//! Sources of the increments of a path.
 //!
 //! A [`Noise`] fills in `ΔW_1 … ΔW_K` of each step. [`Increments`] are given numbers. Everything random is in
 //! another module, so that a program without noise compiles no generator.

@@ -1,4 +1,4 @@
-//! What goes to the disk: files that appear complete or not at all, and tables as text and columns.
+//! Files on the disk, which appear complete or not at all; tables as text and columns.
 
 #[cfg(feature = "columnar")]
 mod columnar;

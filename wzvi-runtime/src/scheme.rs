@@ -1,4 +1,4 @@
-//! What takes a step: systems, and the schemes that serve them.
+//! Steps: systems, and the schemes that step them.
 
 pub mod bath;
 pub mod compose;

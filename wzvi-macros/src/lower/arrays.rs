@@ -141,7 +141,7 @@ impl<'a> Interpreter<'a, '_> {
                 expressions::index_beyond(at, &self.display(k), &self.display(&array.length), excess)
             }
         };
-        // Where no condition guards the index, the mistake is certain for every value of loop variables.
+        // If no condition guards the index, the mistake is certain for every value of loop variables.
         if self.now.branch == 0 { self.refuse_at_once(error) } else { self.refuse(error) }
     }
 

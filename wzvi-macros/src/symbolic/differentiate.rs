@@ -86,7 +86,7 @@ impl Graph {
             Node::Product(factors) => self.product_slope(factors, slopes),
             &Node::Apply(function @ (Function::Min | Function::Max), ref arguments) => {
                 let (mut a, mut b) = (arguments[0], arguments[1]);
-                // Where both are equal, the second argument gives the slope. It is the constant, if there is
+                // If both are equal, the second argument gives the slope. It is the constant, if there is
                 // one.
                 if slopes.of(a) == slopes.zero {
                     (a, b) = (b, a);

@@ -119,7 +119,7 @@ impl Graph {
             if found.is_defined() {
                 return Some(found);
             }
-            // Where a part overflows there is no bound, and may be a value: exp(-1/q²), 1/(1 + exp(1/q)).
+            // If a part overflows there is no bound, and may be a value: exp(-1/q²), 1/(1 + exp(1/q)).
             let value =
                 self.fold(&[expr], f64::NAN, |_, node, value| evaluate_plain(node, &coordinate, value))[0];
             (!value.is_nan()).then_some(Bounded { value, error: UNBOUNDED * value.abs() })

@@ -53,7 +53,7 @@ impl CompensatedTotals {
         &self.totals
     }
 
-    /// What a checkpoint keeps.
+    /// Passes the sums to the tape of a checkpoint.
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
         for (sum, total) in self.sums.iter_mut().zip(&mut self.totals) {
             sum.pass(tape);

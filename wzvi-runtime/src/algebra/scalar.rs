@@ -29,7 +29,7 @@ pub trait Mask:
 {
     /// True in the lanes for which it holds.
     fn of_lanes(holds: impl FnMut(usize) -> bool) -> Self;
-    /// The same truth in every lane.
+    /// One truth for all lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_bool(truth: bool) -> Self {
         Self::of_lanes(|_| truth)
@@ -148,7 +148,7 @@ pub trait Scalar:
     fn nearly_over(self, size: Self) -> Self {
         Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
     }
-    /// Where every part of the number is zero.
+    /// True in the lanes in which every part of the number is zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vanishes(self) -> Self::Mask {
         self.equal(Self::from_f64(0.0))
@@ -161,9 +161,9 @@ pub trait Scalar:
     }
     /// Whether both are the same to the last bit, in every part (derivatives, lanes).
     fn is_identical(self, other: Self) -> bool;
-    /// Where every part of the number is finite.
+    /// True in the lanes in which every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
-    /// Where every part of the first of each pair is finite.
+    /// True in the lanes in which every part of the first number of each pair is finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> Self::Mask {
         let mut all = Self::Mask::from_bool(true);

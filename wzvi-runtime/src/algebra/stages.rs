@@ -49,7 +49,7 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
 
     /// A part of each of a list, in the list itself or in the room.
     fn parts<'a>(list: &'a [Self], part: usize, room: &'a mut [Self::Part]) -> &'a [Self::Part];
-    /// Where to write that: [`Stages::store`] brings it to the list.
+    /// The place to write such parts to: [`Stages::store`] brings them to the list.
     fn parts_mut<'a>(list: &'a mut [Self], room: &'a mut [Self::Part]) -> &'a mut [Self::Part];
     /// Writes a part of each of a list back from [`Stages::parts_mut`], if that used the work space; not
     /// where they are to stay.

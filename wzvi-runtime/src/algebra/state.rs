@@ -71,7 +71,7 @@ pub(crate) fn dot<V: Vector>(x: &V, y: &V) -> f64 {
             `<[f64; 4]>::try_from(list)` makes one of a `Vec`, and is an error where the length differs"
 )]
 pub trait Components<V> {
-    /// The same numbers as a vector.
+    /// These numbers as a vector.
     fn into_vector(self) -> V;
 }
 
@@ -211,7 +211,7 @@ impl<V: Vector> State<V> {
         tape.numbers(self.p.components_mut());
     }
 
-    /// The same point of phase space at time `t`.
+    /// This point of phase space at time `t`.
     #[must_use]
     pub fn at(mut self, t: f64) -> Self {
         self.t = t;

@@ -1,4 +1,4 @@
-//! What is wrong with friction, temperature or masses.
+//! Errors of friction, temperatures and masses.
 
 use crate::ground::digits::ShortestDecimal;
 
@@ -70,7 +70,7 @@ messages! { BathError:
 }
 
 impl BathError {
-    /// Which one, and its two values.
+    /// The error as three words: its kind, and two values.
     pub(super) fn words(self) -> [u64; 3] {
         match self {
             Self::Temperature { temperature, degree, t } => {
@@ -107,7 +107,7 @@ impl BathError {
     }
 }
 
-/// Where temperatures of degrees of freedom begin among the words.
+/// The first word for temperatures of degrees of freedom.
 const DEGREES: u64 = 8;
 /// More degrees than any state has; greater words are other failures.
 const MOST_DEGREES: u64 = 1 << 48;

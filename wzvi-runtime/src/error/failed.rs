@@ -1,4 +1,4 @@
-//! Which of the paths beside each other could not take a step.
+//! The set of lanes whose paths could not take a step.
 
 /// A set of lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -15,7 +15,7 @@ const ROUND: &str =
 pub struct Name {
     /// As the Hamiltonian names it.
     pub name: &'static str,
-    /// What follows the indices: the part of a tuple, a length.
+    /// The text after the indices: the part of a tuple, a length.
     pub suffix: &'static str,
 }
 
@@ -37,7 +37,7 @@ pub struct IndexError {
     value: [u64; 2],
 }
 
-/// What an integer of a system has to be.
+/// The condition on an integer of a system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IndexLimit {
     /// The index of a point of the state: less than this.
@@ -73,13 +73,13 @@ impl IndexError {
         (i128::from(high) << 64) | i128::from(low)
     }
 
-    /// What it has to be.
+    /// The condition that the integer does not satisfy.
     pub fn limit(&self) -> IndexLimit {
         self.limit
     }
 
-    /// What has the value, as the Hamiltonian names it: `bonds[17].1`. For [`IndexLimit::Entries`] the list
-    /// that is read there.
+    /// The name of the integer, as the Hamiltonian writes it: `bonds[17].1`. For [`IndexLimit::Entries`] the
+    /// list that is read there.
     pub fn name(&self) -> String {
         let at: String =
             self.at[..usize::from(self.levels)].iter().map(|index| format!("[{index}]")).collect();

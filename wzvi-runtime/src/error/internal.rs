@@ -1,4 +1,4 @@
-//! What the library promises to itself.
+//! Assumptions of the library about itself, and the error if one does not hold.
 
 /// A bug of wzvi, not of its user: an assumption of the library does not hold. Nothing was returned that
 /// depends on it.
@@ -22,7 +22,7 @@ impl InternalError {
     }
 }
 
-/// What a step relies on.
+/// An assumption of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepPromise {
     /// A system whose steps go tile by tile has tiles.

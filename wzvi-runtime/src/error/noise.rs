@@ -1,4 +1,4 @@
-//! What can be wrong with a noise.
+//! Errors of noises.
 
 use crate::ground::digits::ShortestDecimal;
 

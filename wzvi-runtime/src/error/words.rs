@@ -3,7 +3,7 @@
 use super::{BathError, FailedLanes, IndexError, IndexLimit, Name, StepError, StepFailure, StepPromise};
 use crate::ground::numbers::{Numbers, Tape, numbers};
 
-/// Where those of a bath begin.
+/// The first word for errors of a bath.
 const BATH: u64 = 9;
 
 /// Words after all of them: failed lanes, another solution, too many unknowns, internal errors, infinite
@@ -30,7 +30,7 @@ impl Numbers for StepFailure {
 }
 
 impl StepFailure {
-    /// Which one, and its two values.
+    /// The failure as three words: its kind, and two values.
     fn words(self) -> [u64; 3] {
         match self {
             Self::NotConverged { iterations, correction } => [0, u64::from(iterations), correction.to_bits()],

@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// How far a run is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// What is done: paths of an ensemble, or steps of any other run.
+    /// The work that is done, in paths of an ensemble or steps of any other run.
     pub done: u64,
     /// The total, as far as it is known.
     pub all: u64,

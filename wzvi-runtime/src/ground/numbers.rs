@@ -4,7 +4,7 @@
 
 use std::marker::PhantomData;
 
-/// What a checkpoint keeps and ranks send, to the last bit: the memory of a step, a statistic.
+/// Values that a checkpoint keeps and ranks send, to the last bit: the memory of a step, a statistic.
 ///
 /// One method serves both directions, so that reading cannot disagree with writing.
 pub trait Numbers {
@@ -166,8 +166,8 @@ enum TapeMode {
     Writing(Vec<u64>),
     /// Replaces what is passed.
     Reading {
-        /// What was recorded: one list, or one of each lane. What does not belong to a lane must be equal in
-        /// all.
+        /// The recorded words: one list, or one of each lane. Words that do not belong to a lane must be
+        /// equal in all.
         lists: Vec<std::vec::IntoIter<u64>>,
         /// Whether more was passed than was recorded, or the record is inconsistent.
         short: bool,
@@ -390,7 +390,7 @@ mod tests {
             let copy = copied((memory, (carry, vec![0.5; n])), Default::default());
             assert_eq!(copy.0.guess::<true>(), memory.guess::<true>());
             assert_eq!((copy.1.0, copy.1.1), (carry, vec![0.5; n]));
-            // What is known counts too: the next record must do the same to both.
+            // The number of known points counts too: the next record must do the same to both.
             let (mut one, mut other) = (memory, copy.0);
             one.record::<true>([7.0, -0.0]);
             other.record::<true>([7.0, -0.0]);

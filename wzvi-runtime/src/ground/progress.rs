@@ -16,7 +16,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 
 /// A line that shows the progress of a run until this is dropped, and the handle that reports it, too.
 pub(crate) struct ProgressLine {
-    /// What is counted.
+    /// The name of the things that are counted.
     unit: &'static str,
     handle: Option<Handle>,
     /// When the handle's function was called.

@@ -1,11 +1,11 @@
-//! What a source of increments is.
+//! The identity of a source of increments.
 //!
 //! Tested by `tests/paths/checkpoint/other_run.rs`.
 
 use std::fmt::{self, Debug};
 
-/// What a source of increments is: its kind and its settings, by name. Two sources with equal identities give
-/// the same increments for the same step.
+/// The identity of a source of increments: its kind and its settings, by name. Two sources with equal
+/// identities give the same increments for the same step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
     settings: Vec<(String, String)>,
@@ -23,7 +23,7 @@ impl Identity {
         self
     }
 
-    /// The same settings of another kind of source.
+    /// The settings of this source, with another kind.
     #[cfg(feature = "noise")]
     pub(crate) fn renamed(mut self, kind: &str) -> Self {
         self.settings[0].1 = kind.to_owned();

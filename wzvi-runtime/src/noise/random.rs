@@ -198,9 +198,8 @@ mod tests {
         }
     }
 
-    /// Where the first 27 bits are zero the radius is beyond 6.1, and its tail is that of Rayleigh: given
-    /// that it exceeds `r`, `exp((r² - radius²)/2)` is uniform. Kolmogorov and Smirnov allow 2.5 once in
-    /// 130 000.
+    /// If the first 27 bits are zero the radius is beyond 6.1, and its tail is that of Rayleigh: given that
+    /// it exceeds `r`, `exp((r² - radius²)/2)` is uniform. Kolmogorov and Smirnov allow 2.5 once in 130 000.
     #[test]
     fn beyond_six_deviations_the_law_is_the_same() {
         let n = 200_000_u64;

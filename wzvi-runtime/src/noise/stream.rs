@@ -22,7 +22,7 @@ use super::random::{self, PAGE};
 pub(super) const PAIRS: usize = PAGE / 3;
 const VERSION: u32 = 1;
 
-/// What distinguishes one Wiener process from all others.
+/// The numbers that distinguish one Wiener process from all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ProcessId {
     pub(super) seed: u64,

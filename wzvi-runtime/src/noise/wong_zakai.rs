@@ -20,8 +20,8 @@ use super::{Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
 use crate::scheme::plan::Plan;
 
-/// Which increments a step of length h from t_i gets. With rho = eps / h and f the fractional part of rho,
-/// the sampled ones converge for h -> 0 at fixed rho to noises multiplied by `sqrt(v)`,
+/// The choice of the increments for a step of length h from t_i. With rho = eps / h and f the fractional part
+/// of rho, the sampled ones converge for h -> 0 at fixed rho to noises multiplied by `sqrt(v)`,
 /// `v = 1 + f (1 - f) / rho^2`: right iff rho is an integer (and `v = 1 / rho` for rho < 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -184,7 +184,7 @@ impl WongZakai {
     /// The times `t_i + offset`, `t_i + offset + eps`, `t_i + h + offset`, `t_i + h + offset + eps` for t_i
     /// the earlier end of a step.
     ///
-    /// Where eps is a multiple of h they are computed as times of steps, so that they are the very times that
+    /// If eps is a multiple of h they are computed as times of steps, so that they are the very times that
     /// other steps have.
     fn times(&self, interval: &Interval) -> [f64; 4] {
         let h = interval.h.abs();
@@ -239,7 +239,7 @@ impl Noise for WongZakai {
                 None => self.early.point(t)?,
             };
         }
-        // Where the next step starts.
+        // The next step starts at these points.
         self.reached =
             if exact { [(times[2], points[2]), (times[3], points[3])] } else { [(times[1], points[1]); 2] };
         for (process, dw) in dw.iter_mut().enumerate() {

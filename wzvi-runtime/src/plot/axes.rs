@@ -3,7 +3,7 @@
 use super::figure::{Axis, Figure};
 use super::layout::Layout;
 
-/// What the axes of a figure show, as places before scaling: from, to.
+/// The ranges that the axes of a figure show, as places before scaling: from, to.
 pub(super) fn ranges(figure: &Figure, layout: &Layout) -> [(f64, f64); 2] {
     let both = || {
         let points = figure.series.iter().flat_map(|series| &series.points).copied();

@@ -165,7 +165,7 @@ impl<'a> Plot<'a> {
         if self.is_bitmap { text.replace('⁻', "¯") } else { text.to_owned() }
     }
 
-    /// Where a point is, in pixels; `None` if it cannot be drawn.
+    /// The place of a point, in pixels; `None` if it cannot be drawn.
     fn at(&self, (x, y): (f64, f64)) -> Option<(i32, i32)> {
         let (x, y) = (self.figure.x.place(x)?, self.figure.y.place(y)?);
         let is_inside = |place: f64, (low, high): (f64, f64)| (low..=high).contains(&place);
@@ -327,7 +327,7 @@ impl<'a> Plot<'a> {
         series: &Series,
     ) -> DrawResult<B::ErrorType> {
         let points: Vec<Option<(i32, i32)>> = series.points.iter().map(|point| self.at(*point)).collect();
-        // What is outside, or nowhere, interrupts a line.
+        // Points that are outside, or have no place, interrupt a line.
         let pieces = points.split(Option::is_none);
         let pieces = pieces.map(|piece| piece.iter().flatten().copied().collect::<Vec<_>>());
         let mut pieces: Vec<Vec<(i32, i32)>> = pieces.collect();

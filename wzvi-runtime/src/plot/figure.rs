@@ -30,13 +30,13 @@ impl Axis {
         Self { logarithmic: true, ..Self::linear(label) }
     }
 
-    /// Where the limits of a range are, if it is one.
+    /// The places of the limits of a range, if it is one.
     pub(crate) fn places(&self, from: f64, to: f64) -> Option<(f64, f64)> {
         let places = (self.place(from)?, self.place(to)?);
         (places.0 < places.1).then_some(places)
     }
 
-    /// Where a value is along the axis, before scaling; `None` if it is nowhere.
+    /// The place of a value along the axis, before scaling; `None` if it has none.
     pub(crate) fn place(&self, value: f64) -> Option<f64> {
         let place = if self.logarithmic { value.log10() } else { value };
         place.is_finite().then_some(place)
@@ -145,7 +145,7 @@ pub struct Figure {
     pub y: Axis,
     /// Colours below everything else.
     pub shades: Option<Box<Shades>>,
-    /// What is drawn, the first at the bottom.
+    /// The lines and points, the first at the bottom.
     pub series: Vec<Series>,
     /// Whether both axes have the same scale.
     pub has_equal_axes: bool,

@@ -1,4 +1,4 @@
-//! Where the parts of a drawing are: title, legend, axes. All in units of a drawing of scale 1.
+//! The places of the parts of a drawing: title, legend, axes. All in units of a drawing of scale 1.
 
 use super::figure::{Figure, Series};
 
@@ -25,14 +25,14 @@ pub(super) struct Entry {
     pub(super) at: (i32, i32),
 }
 
-/// Where the parts of a drawing are.
+/// The places of the parts of a drawing.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     /// Width and height of the whole.
     pub(super) size: (i32, i32),
-    /// Where the axes are: left, top, right, bottom.
+    /// The edges of the axes: left, top, right, bottom.
     pub(super) frame: [i32; 4],
-    /// Where the title begins, if it is drawn.
+    /// The start of the title, if it is drawn.
     pub(super) title: Option<(i32, i32)>,
     pub(super) legend: Vec<Entry>,
 }

@@ -20,7 +20,7 @@ pub struct PathPlot<'a, V, E> {
     degrees: Vec<usize>,
 }
 
-/// What an axis can be.
+/// The variable of an axis.
 #[derive(Clone, Copy)]
 enum Variable {
     Coordinate(usize),

@@ -1,4 +1,4 @@
-//! Where an axis has its marks.
+//! The marks of an axis.
 
 use super::figure::Axis;
 use crate::ground::digits::{number, power_of_ten};

@@ -100,7 +100,7 @@ impl<'a, H> WorkPrecision<'a, H>
 where
     H: Hamiltonian + Sync,
 {
-    /// Where the paths end.
+    /// The states of the reference at the end of all paths.
     pub(super) fn references(
         &self,
         plan: &MeasurementSettings<H::Vector>,

@@ -18,7 +18,7 @@ pub struct Weak {
     pub bias: Estimate,
 }
 
-/// What was measured of one scheme at one step size.
+/// The measurements of one scheme at one step size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cell {
     /// The scheme.
@@ -49,7 +49,7 @@ pub struct Cell {
     pub time: Option<Spread>,
     /// Seconds to draw the increments of one path.
     pub noise_time: Option<Spread>,
-    /// Which paths reached the end.
+    /// The numbers of the paths that reached the end.
     pub path_numbers: Vec<u64>,
     /// `|z_N - z(T)|` of each of them.
     pub errors: Vec<f64>,
@@ -79,7 +79,7 @@ pub struct Report {
     pub noises: usize,
     /// Seed of the paths.
     pub seed: u64,
-    /// What the states were compared with.
+    /// The reference that states were compared with.
     pub reference: String,
     /// Whether the drift Hamiltonian of the system is a first integral: "Proven", "Refuted" or "Unknown".
     pub conserves_energy: String,

@@ -91,7 +91,7 @@ impl Report {
     }
 }
 
-/// What is known of a measurement besides error and time.
+/// A note on a measurement, besides its error and time.
 fn note(cell: &Cell) -> String {
     let mut note =
         format!("h = {}, ± {:.0e}, {} paths", number(cell.h), cell.strong.standard_error, cell.paths);

@@ -1,4 +1,4 @@
-//! Where and when something was measured.
+//! The place and the time of a measurement.
 
 use std::fs;
 

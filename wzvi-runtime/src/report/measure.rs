@@ -25,7 +25,7 @@ pub(super) enum Reference<'a, H: Hamiltonian> {
     Value(State<H::Vector>),
 }
 
-/// What a measurement has in common with other runs.
+/// The settings that a measurement has in common with other runs.
 pub(super) struct MeasurementSetup<'a, V> {
     pub(super) span: RunSpan<V>,
     pub(super) execution: Execution<'a>,

@@ -157,7 +157,7 @@ where
         })
     }
 
-    /// What drives the paths from `first` on of a state like this, made of their Wiener paths.
+    /// The increments of the paths from `first` on, for states of this size, made of their Wiener paths.
     pub(super) fn shifted<'n>(
         &self,
         noise: Box<dyn Driver + 'n>,

@@ -48,7 +48,7 @@ type TimePaths<H, V> = fn(&H, &[TimedPath<'_, V>], u32) -> Result<(Duration, Ite
 pub(super) struct MeasuredScheme<H: Hamiltonian> {
     /// The embedding as it is written, `Corrected<DeltaPlus>`.
     pub(super) name: String,
-    /// What the compiler derived.
+    /// The facts that the compiler derived.
     pub(super) plan: Plan,
     /// How many numbers drive a step of so many degrees of freedom.
     pub(super) increments: fn(&H, usize) -> usize,

@@ -16,7 +16,7 @@
 //! report.write("target/wzvi/kubo")?; // CSV, JSON, SVG, PNG and index.html
 //! ```
 //!
-//! What is measured, for each scheme and step size:
+//! For each scheme and step size these are measured:
 //!
 //! * the strong error, root mean square over paths of `|z_N - z(T)|`, with its standard error;
 //! * the weak errors of observables, with 95 % confidence intervals;

@@ -1,4 +1,4 @@
-//! Which scheme and step size to use for a wanted error.
+//! The choice of a scheme and a step size for a wanted error.
 //!
 //! Tested by `tests/paths/report/estimators.rs`.
 

@@ -23,7 +23,7 @@ impl Report {
         (headings, self.cells.iter().map(row).collect())
     }
 
-    /// What was measured as text: the table, the slopes, the choices in words, the machine.
+    /// The measurements as text: the table, the slopes, the choices in words, the machine.
     pub fn text(&self) -> String {
         let (headings, rows) = self.rows();
         let mut table = Table::new();
@@ -66,7 +66,7 @@ impl Report {
         lines
     }
 
-    /// What the columns of the table are, a sentence each.
+    /// The meaning of the columns of the table, a sentence each.
     pub fn terms(&self) -> Vec<String> {
         let strong = "strong error: the root mean square over paths of the distance between the end of the run and the solution, with its \
                       standard error";

@@ -1,4 +1,4 @@
-//! What can be wrong with a file.
+//! Errors of files.
 
 use std::fs::FileType;
 use std::io;
@@ -14,20 +14,20 @@ pub enum FileError {
     System {
         /// The file or folder.
         path: PathBuf,
-        /// What was tried.
+        /// The action that failed, in words.
         action: &'static str,
-        /// What kind of failure it was.
+        /// The kind of the failure.
         kind: io::ErrorKind,
-        /// What the system said.
+        /// The message of the operating system.
         cause: String,
     },
     /// The name belongs to something other than a regular file.
     Special {
         /// The name.
         path: PathBuf,
-        /// What was tried.
+        /// The action that is refused, in words.
         action: &'static str,
-        /// What it is: `"a folder"`, `"a device"`, ...
+        /// The kind of thing that has the name: `"a folder"`, `"a device"`, ...
         found: &'static str,
     },
     /// Another run changed the file during this one.
@@ -38,7 +38,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// What the system said.
+    /// The error for a failure that the operating system reports.
     pub(crate) fn system<'p>(
         path: &'p Path,
         action: &'static str,

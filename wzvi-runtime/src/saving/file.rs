@@ -46,7 +46,7 @@ pub(crate) fn create_folder(path: &Path) -> Result<(), FileError> {
     fs::create_dir_all(path).map_err(FileError::system(path, "create the folder"))
 }
 
-/// Where a name leads: behind all symbolic links, and what is there, if anything, is a regular file.
+/// The file behind a name and all symbolic links. If it exists, it is a regular file.
 #[derive(Debug)]
 pub(crate) struct Target {
     path: PathBuf,
@@ -200,8 +200,8 @@ const READ: &str = "read";
 /// The ending of temporary files.
 const PART: &str = ".part";
 
-/// What the temporary names of a file start with. It does not grow with the name of the file, which may have
-/// all the length that the file system allows.
+/// The start of the temporary names of a file. It does not grow with the name of the file, which may have all
+/// the length that the file system allows.
 fn prefix(target: &Path) -> String {
     let mut checksum = Checksum::default();
     checksum.add(target.file_name().unwrap_or_default().as_encoded_bytes());

@@ -48,7 +48,7 @@ impl Column {
 }
 
 impl Table {
-    /// What the rows are about: the name of its file.
+    /// The subject of the rows, which is the name of its file.
     pub fn name(&self) -> &str {
         &self.name
     }

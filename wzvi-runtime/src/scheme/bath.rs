@@ -15,7 +15,7 @@
 //! O:   p <- E p + R ξ,   E = exp(-s Γ M⁻¹),   R Rᵀ = kT (M - E M Eᵀ),   R lower triangular
 //! ```
 //!
-//! Where `Γ` depends on `q`, it is taken at the current `q`, which is constant during O. The schemes place O
+//! If `Γ` depends on `q`, it is taken at the current `q`, which is constant during O. The schemes place O
 //! between symplectic parts of a step, each letter with an equal share of the step:
 //!
 //! | scheme | step | for |
@@ -182,8 +182,7 @@ impl Friction {
     }
 
     /// Whether friction acts on each momentum separately: it and the masses are lists by degree of freedom.
-    /// Where degrees of freedom have temperatures of their own, a friction matrix is diagonal, which is
-    /// checked.
+    /// If degrees of freedom have temperatures of their own, a friction matrix is diagonal, which is checked.
     const fn is_list(self) -> bool {
         (!self.is_matrix || self.has_temperatures) && self.has_diagonal_masses
     }

@@ -17,15 +17,14 @@
 //! on: the corrections do not contract as they should, however short the part, but the displacement shrinks
 //! with the part, whereas a jump to another solution keeps its length.
 //!
-//! Where the equations jump, at a condition on an unknown, the curve ends with a finite slope ([`STEEPEST`]).
+//! If the equations jump, at a condition on an unknown, the curve ends with a finite slope ([`STEEPEST`]).
 //! No step size avoids such an end: the part of a step that crosses the edge has it. The solution from zero
 //! lies beyond the edge, then. It is taken if it has a Jacobian as below, and the step is reported as
 //! doubtful.
 //!
-//! Where second derivatives are infinite on the way, as at contacts that just touch, corrections contract on
-//! no part of the step, however short, and following proves nothing. The solution from zero is taken by the
-//! same criterion as that of a stiff force, next.
-//!
+//! If second derivatives are infinite on the way, as at contacts that just touch, corrections contract on no
+//! part of the step, however short, and following proves nothing. The solution from zero is taken by the same
+//! criterion as that of a stiff force, next.
 //! A stiff force far from equilibrium oscillates many times along `λ`, and no reasonable number of parts
 //! resolves that. Then the solution from zero is taken if its Jacobian has a positive determinant (and is
 //! definite, if it is symmetric), as the connected one has and the next one has not, and the step is reported

@@ -86,12 +86,12 @@ impl<V: Vector> DenseOutput<V> {
         self.order
     }
 
-    /// Where the step began.
+    /// The state at the start of the step.
     pub fn start(&self) -> &State<V> {
         &self.ends[0]
     }
 
-    /// Where it ended.
+    /// The state at the end of the step.
     pub fn end(&self) -> &State<V> {
         &self.ends[1]
     }

@@ -318,7 +318,7 @@ pub(crate) fn slopes<H: Elements, S: Scalar>(
     }
 }
 
-/// Where derivatives are evaluated: `[t, h]`, `[q, p]` and the increments of the noises.
+/// The place at which derivatives are evaluated: `[t, h]`, `[q, p]` and the increments of the noises.
 pub type FieldAt<'a, S> = ([S; 2], [&'a [S]; 2], &'a [S]);
 
 /// The wanted derivatives of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`; `t` is the same in all lanes, or is

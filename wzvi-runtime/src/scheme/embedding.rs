@@ -51,7 +51,7 @@ pub struct Corrected<E>(PhantomData<E>);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Uncorrected<E>(PhantomData<E>);
 
-/// What a program that imports the prelude can name.
+/// The names that a program gets with the prelude.
 pub mod prelude {
     pub use super::{
         Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,

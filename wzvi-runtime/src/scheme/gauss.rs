@@ -10,7 +10,7 @@
 //! *Geometric Numerical Integration*, theorem VI.6.4). They are found by sweeps `Y ← φ(Y)` over all of them
 //! at once, and by Newton's method where that costs less. For one path, the lanes of a vector register are
 //! its stages; in an ensemble they are paths, which evaluate stage after stage with the same arithmetic.
-//! Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are eliminated (Nyström form), which doubles
+//! If `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are eliminated (Nyström form), which doubles
 //! the digits gained per sweep.
 //!
 //! Coefficients, their symmetries, and the prediction of the stages from those of the step before: M.

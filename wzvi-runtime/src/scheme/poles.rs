@@ -26,7 +26,7 @@ use crate::algebra::scalar::{Dual, Scalar as _};
 use crate::algebra::state::{State, Vector as _};
 use crate::error::ConfigError;
 
-/// Where the steps of a scheme have poles in linear systems.
+/// The poles of the steps of a scheme in linear systems.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Poles {
     /// The points `m` of the parts of a step.

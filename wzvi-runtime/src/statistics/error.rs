@@ -1,4 +1,4 @@
-//! What can be wrong with a question to an ensemble.
+//! Errors of questions to an ensemble.
 
 use crate::error::{UnknownName, messages};
 
@@ -12,7 +12,7 @@ pub enum StatisticsError {
     NotComputed {
         /// The request.
         what: &'static str,
-        /// What the run needs for it.
+        /// The method that the run needs for it.
         remedy: &'static str,
     },
     /// There is no quantile of this fraction.

@@ -88,7 +88,7 @@ pub struct LossError {
     pub allowed: f64,
     /// The first that failed.
     pub first: PathFailure,
-    /// What is known of the others.
+    /// The statistics of the paths that did not fail.
     pub statistics: Box<Statistics>,
 }
 

@@ -60,7 +60,7 @@ const fn power_of_two(exponent: i64) -> f64 {
 
 /// Outside of this range squares, or sums of 2^50 squares, may be too small or too large for an `f64`.
 const UNSCALED: [f64; 2] = [power_of_two(-400), power_of_two(480)];
-/// What values below, in and above that range are multiplied by: powers of two, so that nothing is rounded.
+/// The factors for values below, in and above that range: powers of two, so that nothing is rounded.
 const SCALES: [f64; 3] = [power_of_two(800), 1.0, power_of_two(-560)];
 
 /// The scale of a value. Scaled deviations of values of one scale are below 2^490 and, unless zero, above
@@ -360,7 +360,7 @@ mod tests {
         }
     }
 
-    /// What is not finite is the mean of its observable, and no business of the others.
+    /// A value that is not finite changes the mean of its own observable, and no other mean.
     #[test]
     fn infinite_samples_show_in_their_own_mean_only() {
         let rows = [[1.0, f64::INFINITY, 2.0], [3.0, 1.0, -5.0], [5.0, 2.0, 9.0], [7.0, f64::INFINITY, 2.5]];

@@ -45,7 +45,7 @@ pub struct Passages {
     kept: Option<Vec<Passage>>,
 }
 
-/// What became of one path.
+/// The outcome of a first passage on one path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Passage {
     /// It passed at this time.
@@ -172,7 +172,7 @@ impl Passages {
         self.lost
     }
 
-    /// What became of each path, by its number, if paths are kept
+    /// The outcome of each path, by its number, if paths are kept
     /// ([`Ensemble::keep_paths`](crate::ensemble::Ensemble::keep_paths)).
     pub fn by_path(&self) -> Option<&[Passage]> {
         self.kept.as_deref()

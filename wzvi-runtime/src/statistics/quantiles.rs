@@ -35,8 +35,8 @@ pub struct Quantiles {
     listed: Vec<i32>,
     /// Counts of the bins of the octaves that occur.
     counts: Vec<u64>,
-    /// Where those of each octave begin in `counts`, from the octave `least` on; [`NOWHERE`] for those that
-    /// do not occur.
+    /// The start in `counts` of the bins of each octave, from the octave `least` on; [`NOWHERE`] for octaves
+    /// that do not occur.
     octaves: Vec<usize>,
     least: i32,
     count: u64,
@@ -285,7 +285,7 @@ fn middle(bin: i32) -> f64 {
     let middle = if size == 0 {
         0.0
     } else if size < least_normal {
-        // Where a bin holds one number, that one: half the distance to the next is rounded down.
+        // Such a bin holds one number, which is the middle: half the distance to the next is rounded down.
         middle_of(size + OCTAVE as u64).next_down() / RAISE
     } else {
         let octaves = size - BELOW * OCTAVE as u64;

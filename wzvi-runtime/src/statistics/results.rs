@@ -113,7 +113,7 @@ impl Statistics {
         known.into_iter().chain(self.own.iter_mut().map(|own| &mut **own))
     }
 
-    /// What happens to a path.
+    /// Shows an observation of a path to each statistic.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn see(&mut self, path: u64, seen: &Seen<'_>) {
         Statistic::see(&mut self.nodes, path, seen);

@@ -1,4 +1,4 @@
-//! What is found out of many paths, path after path.
+//! Statistics of many paths, which see path after path.
 //!
 //! Tested by `tests/ensembles/statistics.rs`.
 
@@ -14,7 +14,7 @@ use crate::ground::names::short_name;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::{Table, TableChunks};
 
-/// What a [`Statistic`] sees of a path.
+/// An observation of a path, which a [`Statistic`] sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Seen<'s> {
@@ -30,7 +30,7 @@ pub enum Seen<'s> {
         /// Number of the recorded time.
         node: usize,
     },
-    /// What became of the path's first passage of an event.
+    /// The outcome of the path's first passage of an event.
     Passage {
         /// Number of the event.
         event: usize,

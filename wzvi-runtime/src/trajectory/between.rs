@@ -1,4 +1,4 @@
-//! What a run looks for between its nodes: recorded times and crossings of sections.
+//! The search for recorded times and crossings of sections between the nodes of a run.
 
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::scheme::dense::DenseOutput;

@@ -54,7 +54,7 @@ where
     N: Noise,
     S: Summation<H, E>,
 {
-    /// The same run with these deviations at its start, in place of generic ones. Each has one number for
+    /// This run with the given deviations at its start, in place of generic ones. Each has one number for
     /// each coordinate and then one for each momentum; only its direction counts.
     pub fn deviations<D: Into<Vec<f64>>>(
         self,
@@ -64,8 +64,8 @@ where
         Deviations { given: Some(given), ..self.generic() }
     }
 
-    /// The same run with so many other paths for the errors of [`Simulation::lyapunov`]; the default is 8,
-    /// and 0 leaves errors out.
+    /// This run with so many other paths for the errors of [`Simulation::lyapunov`]; the default is 8, and 0
+    /// leaves errors out.
     pub fn copies(self, copies: u32) -> Deviations<'a, H, E, N, S> {
         Deviations { copies, ..self.generic() }
     }

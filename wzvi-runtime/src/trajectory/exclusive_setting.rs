@@ -32,7 +32,7 @@ impl<T> ExclusiveSetting<T> {
         self.value = Some(value);
     }
 
-    /// What was set last.
+    /// The value that was set last.
     pub(crate) fn value(&self) -> Option<&T> {
         self.value.as_ref()
     }

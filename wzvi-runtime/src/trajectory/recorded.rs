@@ -93,7 +93,7 @@ struct Path<V> {
     /// The size of the last step, if it is shorter than the others.
     #[cfg_attr(feature = "serde", serde(default))]
     shorter: Option<f64>,
-    /// What was observed at the recorded nodes, by name.
+    /// The observables at the recorded nodes, by name.
     #[cfg_attr(feature = "serde", serde(default = "Vec::new", with = "crate::ground::loose::lists"))]
     observed: Vec<(String, Vec<f64>)>,
     #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
@@ -106,7 +106,7 @@ struct Path<V> {
     /// Whether that is all that was exchanged, but for what the scheme does.
     #[cfg_attr(feature = "serde", serde(default))]
     is_accounted: bool,
-    /// What the energy gained, where it is not to be kept.
+    /// The change of the energy, if forces, friction or the time may change it.
     #[cfg_attr(feature = "serde", serde(default, with = "crate::ground::loose::option"))]
     gained: Option<f64>,
 }
@@ -288,7 +288,7 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.path.steps
     }
 
-    /// What `record_every` was.
+    /// The value of `record_every`.
     pub fn stride(&self) -> u64 {
         self.path.every
     }

@@ -1,4 +1,4 @@
-//! Which nodes of a run are recorded, and which times between them.
+//! The choice of the nodes, and of the times between them, that a run records.
 
 use crate::error::{ConfigError, wrong};
 use crate::ground::digits::ShortestDecimal;
@@ -57,7 +57,7 @@ pub(crate) struct TimeInStep {
     pub(crate) t: f64,
 }
 
-/// What a run records, besides the start and the end.
+/// The recorded nodes and times of a run, besides its start and end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Recording {
     /// Every so many steps; 0 for none.
@@ -110,7 +110,7 @@ impl Recording {
         self.between.partition_point(|moment| moment.step < steps)
     }
 
-    /// What is recorded after the start when this step has been taken, the end not counted.
+    /// The number of nodes and times recorded after the start up to this step, the end not counted.
     pub(crate) fn nodes(&self, step: u64) -> u64 {
         step.checked_div(self.every).unwrap_or(0) + self.extra(step) + self.inside(step) as u64
     }

@@ -162,7 +162,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Subdivision<'a, H, E, C> {
         Ok(())
     }
 
-    /// What the last step left, if it was taken as a whole.
+    /// The memory of the scheme after the last step, if that was taken as a whole.
     pub(crate) fn memory(&self, taken: StepInfo) -> Option<&MemoryOf<H, E, f64>> {
         (self.way == StepDivision::Whole && taken.halvings == 0).then(|| self.stepper.memory())
     }

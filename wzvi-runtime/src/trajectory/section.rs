@@ -37,7 +37,7 @@ const MOST_PARTS: usize = 17;
 pub(crate) type Sections<'a, V> = Functions<'a, V, Option<Direction>>;
 
 impl<V> Sections<'_, V> {
-    /// What is wanted of each, in words.
+    /// The directions that count for each section, in words.
     pub(crate) fn in_words(&self) -> String {
         let words = self.0.iter().map(|(direction, _)| match direction {
             Some(Direction::Rising) => "rising",
@@ -63,7 +63,7 @@ impl<V> Sections<'_, V> {
 #[derive(Clone, Debug)]
 pub(crate) struct SectionWatch<V> {
     sides: Vec<SignSide<State<V>>>,
-    /// Where functions are evaluated.
+    /// Scratch: the state at which functions are evaluated.
     room: State<V>,
     samples: Samples,
 }

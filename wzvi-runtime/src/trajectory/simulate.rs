@@ -28,7 +28,7 @@ use crate::trajectory::recording::RecordingRequest;
 use crate::trajectory::retry::Retry;
 use crate::trajectory::series::Averaged;
 
-/// What an observer sees of a node besides the state.
+/// The data of a node besides its state, for an observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node<'a> {
     /// Steps from the start, 0 for the start itself.
@@ -67,13 +67,13 @@ pub trait Observer<V> {
         false
     }
 
-    /// What distinguishes it from others, for a checkpoint.
+    /// The settings that distinguish this observer from others, for a checkpoint.
     #[doc(hidden)]
     fn described(&self, _start: &State<V>) -> Vec<(String, String)> {
         Vec::new()
     }
 
-    /// What it has seen, for a checkpoint.
+    /// Passes the results of this observer to the tape of a checkpoint, which records or replaces them.
     #[doc(hidden)]
     fn pass(&mut self, _tape: &mut Tape) {}
 }
@@ -223,7 +223,7 @@ impl<'a, H: Hamiltonian, E, N, O, S> Simulation<'a, H, E, N, O, S> {
         Simulation { setup: self.setup, noise: self.noise, observer, types: PhantomData }
     }
 
-    /// The same run, keeping only its ends and its averages.
+    /// This run without its path: it keeps its ends and its averages.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] for what has no use then.

@@ -22,7 +22,7 @@ pub(crate) enum RunEnd {
     Steps(u64),
 }
 
-/// Where a run starts and where it ends.
+/// The start and the end of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct RunSpan<V> {
     pub(crate) start: ExclusiveSetting<State<V>>,
@@ -60,7 +60,7 @@ pub(crate) struct NodeGrid {
     pub(crate) shorter: Option<f64>,
 }
 
-/// Where a time is in a run.
+/// The place of a time in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum NodeOrInside {
     /// At the node after so many steps, up to rounding.
@@ -176,7 +176,7 @@ impl NodeGrid {
         self.steps - u64::from(self.shorter.is_some())
     }
 
-    /// Where a time is; `None` outside of the run, and for NaN.
+    /// The place of a time; `None` outside of the run, and for NaN.
     pub(crate) fn place(&self, t: f64) -> Option<NodeOrInside> {
         let (node, is_node) = located(self.start, t, self.h)?;
         if is_node && node <= self.whole() {
@@ -186,7 +186,8 @@ impl NodeGrid {
             return Some(NodeOrInside::Inside(node - 1));
         }
         let last = self.time(self.steps);
-        // What is left of it in units of the last step: as in `located`, one rounding for each time.
+        // The rest of the run after `t`, in units of the step size: as in `located`, one rounding for each
+        // time.
         let rest = (last - t) / self.h;
         let allowance = 2.0 * f64::EPSILON * (last.abs() + t.abs()) / self.h.abs();
         match self.shorter {
@@ -236,7 +237,7 @@ const SIZE: &str =
 /// Refuses states of another number of degrees of freedom than the system has.
 pub(crate) fn sized<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> Result<(), ConfigError> {
     let [q, p] = [&state.q, &state.p].map(|vector| vector.components().len());
-    // Where only the state knows the size, the momenta have to match the coordinates.
+    // If the system has no size of its own, the momenta have to match the coordinates.
     let expected = if fits(system, q) { q } else { system.degrees() };
     match [q, p].into_iter().find(|got| *got != expected) {
         Some(got) => Err(ConfigError::Start(StepFailure::Dimension { expected, got })),

@@ -21,7 +21,7 @@ use crate::scheme::system::{
 use account::EnergyLedger;
 use rare::{RareCause, RareStep, RefusedStep, TakenRareStep};
 
-/// What one step took.
+/// The iterations and halvings of one step, and the way in which it was solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepInfo {
@@ -53,18 +53,19 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = SumOf<H, E>> {
     h: f64,
     prepared: PreparedOf<H, E>,
     memory: MemoryOf<H, E, f64>,
-    /// What rounding took from the state, if it is kept.
+    /// The rounding errors of the state, if they are kept.
     carry: C,
     /// Steps before the clock was last restarted.
     before: u64,
     clock: StepClock,
     /// `q` and `p` after the last step.
     reached: [H::Vector; 2],
-    /// What all steps exchanged.
+    /// The energy that all steps exchanged.
     exchanged: Exchanged,
     /// Whether nobody asks for that.
     is_unaccounted: bool,
-    /// Where a system's steps exchange more than their scheme accounts for; made by the first of them.
+    /// The account of energy that steps exchange beyond what their scheme accounts for; the first such step
+    /// makes it.
     ledger: Option<Box<EnergyLedger<H::Vector>>>,
     scheme: PhantomData<E>,
 }
@@ -121,7 +122,7 @@ impl StepClock {
         self.start + ticks.cast_signed() as f64 * h
     }
 
-    /// The same time, but no state is taken for the one that the last step led to without a check.
+    /// This clock without the time of the last step, so that the next step checks the state that it gets.
     fn unguided(self) -> Self {
         Self { now: f64::NAN, ..self }
     }
@@ -170,7 +171,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         self.carrying()
     }
 
-    /// The same steps with plain sums.
+    /// This stepper, with plain sums.
     pub fn plain(self) -> Stepper<'a, H, E, PlainSum> {
         self.carrying()
     }
@@ -211,7 +212,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         C::CARRIES
     }
 
-    /// What the last step left for the next.
+    /// The memory of the scheme after the last step.
     pub(crate) fn memory(&self) -> &MemoryOf<H, E, f64> {
         &self.memory
     }
@@ -276,7 +277,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         &self.exchanged.by_degree
     }
 
-    /// What its successful steps exchanged so far.
+    /// The energy that successful steps exchanged so far.
     pub(crate) fn account(&self) -> &Exchanged {
         &self.exchanged
     }
@@ -354,8 +355,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         taken
     }
 
-    /// What lies between the nodes of the last step, which led from `before` to `after` with these
-    /// increments.
+    /// Fills the dense output of the last step, which led from one node to the other with these increments.
     pub(crate) fn fill(&self, nodes: [&State<H::Vector>; 2], dw: &[f64], dense: &mut DenseOutput<H::Vector>) {
         dense.fill::<H, E>((self.system, &self.prepared, &self.memory), nodes, self.h, dw);
     }

@@ -54,7 +54,7 @@ pub(crate) fn take_steps<A: Advance>(run: &mut A, steps: Range<u64>) -> Result<(
 
 /// A step to take.
 pub(crate) struct StepToTake<'s, V, N> {
-    /// Where it begins and ends.
+    /// The state, which the step replaces.
     pub(crate) state: &'s mut State<V>,
     pub(crate) interval: Interval,
     /// `None` for a system without noise, which is asked for nothing.
@@ -76,7 +76,7 @@ pub(crate) struct SinglePath<'r, T, V, N> {
 }
 
 impl<T, V, N> SinglePath<'_, T, V, N> {
-    /// What takes the step with this number, and the step.
+    /// The stepper, and the step with this number.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn step(&mut self, step: u64) -> (&mut T, StepToTake<'_, V, N>) {
         let Self { stepper, state, noise, dw, first } = self;

@@ -211,8 +211,7 @@ impl<V: Vector> EnergyMonitor<V> {
     /// at eight times the step of the last test, and 64 steps before the end. After a deviation it is tested
     /// like a single run, until the deviation ends. A path thus pays for four tests in its first thousand
     /// steps and one more for eight times as many, and deviations up to 64 steps before its end are found.
-    /// Where `H` may jump it is always tested like a single run, because jumps between rare tests are not
-    /// seen.
+    /// If `H` may jump it is always tested like a single run, because jumps between rare tests are not seen.
     pub(crate) fn among_others<H: Discretized<E, Vector = V>, E>(steps: u64) -> Self {
         let next = if keeps_energy::<H, E>() && steps > TAIL { 0 } else { u64::MAX };
         let is_rare = const { !may_jump::<H, E>() };
@@ -442,7 +441,7 @@ impl<V: Vector> EnergyMonitor<V> {
         }
     }
 
-    /// What a checkpoint keeps; `state` has the size of the system.
+    /// Passes the memory of the monitor to the tape of a checkpoint; `state` has the size of the system.
     pub(crate) fn pass(&mut self, state: &State<V>, tape: &mut crate::ground::numbers::Tape) {
         let Self { next, suspected, band, motion, recent, follows_jumps, last, .. } = self;
         [next, &mut motion.steps, suspected].into_iter().for_each(|word| tape.word(word));

@@ -64,7 +64,7 @@ fn links_are_followed_and_permissions_stay() {
     let real = folder.join("far").join("real");
     symlink("far/real", folder.join("inner")).unwrap();
     symlink("inner", folder.join("link")).unwrap();
-    // Where there is nothing yet, the link says where it goes.
+    // If there is no file yet, the link says where it goes.
     put(&folder.join("link"), "one").unwrap();
     assert_eq!(fs::read_to_string(&real).unwrap(), "one");
     fs::set_permissions(&real, fs::Permissions::from_mode(0o640)).unwrap();
@@ -125,7 +125,7 @@ fn a_failure_leaves_nothing_behind() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// What is cleared away is what a dead writer of the same file left, and nothing else.
+/// Only parts that a dead writer of the same file left are removed.
 #[test]
 fn parts_of_the_dead_only() {
     let folder = folder_of("parts");

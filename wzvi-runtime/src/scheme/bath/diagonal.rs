@@ -21,8 +21,8 @@ pub(super) struct DiagonalRelaxation<N = f64> {
     pub(super) deviation: Vec<N>,
     /// `M⁻¹`
     pub(super) inverse_mass: Vec<N>,
-    /// Where temperatures depend on the time: the weights of those at the start and at the end of an O part
-    /// in `R² / h`, [`Bath::ramp`](super::modes::Bath::ramp). `R` is then that of a step.
+    /// The weights of the temperatures at the start and at the end of an O part in `R² / h`, if temperatures
+    /// depend on the time: [`Bath::ramp`](super::modes::Bath::ramp). `R` is then that of a step.
     pub(super) ramp: Option<[Vec<N>; 2]>,
 }
 

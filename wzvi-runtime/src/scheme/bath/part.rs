@@ -144,9 +144,9 @@ pub struct BathMemory<S> {
     pub(super) heats: Vec<S>,
 }
 
-/// What the temperatures of a step give its O parts, where they depend on the time or on the place of a
-/// friction that does: for each part the numbers `R / √h` of the degrees of freedom or modes, or the
-/// temperatures at its start and those at its end.
+/// The temperatures of the O parts of a step, if they depend on the time or belong to a friction of the
+/// place: for each part the numbers `R / √h` of the degrees of freedom or modes, or the temperatures at its
+/// start and those at its end.
 #[derive(Debug, Default)]
 struct BathTemperatures<S> {
     numbers: Vec<S>,

@@ -130,7 +130,7 @@ pub(super) fn joined(stages: &[Stage<Act>]) -> Vec<Stage<Act>> {
     }
 }
 
-/// Which kind of letter, 0 to 2.
+/// The kind of a letter, 0 to 2.
 const fn kind(part: Part) -> usize {
     match part {
         Part::A(..) => 0,

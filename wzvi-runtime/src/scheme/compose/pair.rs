@@ -29,7 +29,7 @@ pub struct PairComposition<A, B, W>(PhantomData<(A, B, W)>);
 pub struct PairConstants<A, B> {
     /// The kind of each part, after which fraction of the step it starts, and which fraction it is.
     parts: Vec<(Half, f64, f64)>,
-    /// What the steps of each kind need, in the order of the parts.
+    /// The constants of the steps of each kind, in the order of the parts.
     of: (Vec<A>, Vec<B>),
 }
 

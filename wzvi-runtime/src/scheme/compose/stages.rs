@@ -33,7 +33,7 @@ pub(crate) struct Stage<A = Half> {
     pub(crate) is_end: bool,
 }
 
-/// What a stage does.
+/// The action of a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Act {
     /// A drift, or a kick.
@@ -65,7 +65,7 @@ impl Stage {
 }
 
 impl<A> Stage<A> {
-    /// The same stage with another action.
+    /// This stage with another action.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) const fn with<B>(&self, act: B) -> Stage<B> {
         let Self { weight, share, node, is_end, .. } = *self;

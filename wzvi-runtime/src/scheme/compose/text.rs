@@ -268,7 +268,7 @@ mod tests {
         assert!(short.as_str().ends_with("  1 h\nof\n\nits own EQUATIONS\n"), "{}", short.as_str());
     }
 
-    /// What the composed step does to the energy is not what the composition does.
+    /// The energy of a composed step is kept to the order of the composition, not to that of its substeps.
     #[test]
     fn the_energy_is_kept_to_the_order_of_the_composition() {
         let base = "Verlet\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²) between the kinks of H0\n  \

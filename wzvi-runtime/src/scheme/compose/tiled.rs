@@ -55,7 +55,7 @@ pub(crate) struct TiledInput<'a> {
     pub(crate) stretch: f64,
     pub(crate) q: &'a [f64],
     pub(crate) p: &'a [f64],
-    /// What rounding took from both before; empty for plain sums.
+    /// The rounding errors of both before the step; empty for plain sums.
     pub(crate) lost: [&'a [f64]; 2],
     pub(crate) dw: &'a [f64],
 }

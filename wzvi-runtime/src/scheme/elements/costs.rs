@@ -1,4 +1,5 @@
-//! What the iterations of a step cost, in numbers of operations that follow from the pattern of the Jacobian.
+//! The cost of the iterations of a step, in numbers of operations that follow from the pattern of the
+//! Jacobian.
 //!
 //! A time that was measured would make the steps of one machine differ from those of another. With `n`
 //! unknowns and `e` entries of the pattern off the diagonal, a sweep of the fixed point takes about `4 n + e`

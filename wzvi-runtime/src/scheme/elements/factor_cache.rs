@@ -62,13 +62,13 @@ enum FactorSource {
     Now,
 }
 
-/// Where the stored factors were made, and what they have cost.
+/// The stored factors: the place of their linearisation, and their cost so far.
 #[derive(Debug, Default)]
 pub(super) struct FactorCache<S: Scalar> {
     made: FactorSource,
-    /// Where the factors for the next step were made.
+    /// The linearisation point of the factors for the next step.
     anchor: LinearisationPoint<S>,
-    /// Where the factors of this step were made.
+    /// The linearisation point of the factors of this step.
     next: LinearisationPoint<S>,
     /// Whether this step started with factors of an earlier one.
     has_started: bool,

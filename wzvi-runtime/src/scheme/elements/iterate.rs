@@ -175,7 +175,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn solve(self, scratch: &mut LoopScratch<'_, S>) -> Result<IterationOutcome, StepFailure> {
         if const { is_in_lanes::<S>() } {
-            // Where steps begin with another method paths go alone, and one that turns out to need it ends
+            // Paths run one by one if steps begin with another method. A path that turns out to need one ends
             // with an error.
             debug_assert!(
                 !self.scheme.is_linear,
@@ -457,7 +457,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
             return Err(astray(iterations, relative));
         }
         if is_newton && iterations == 1 && pinned == Iteration::Automatic {
-            // Where `J` is close to the identity, the fixed point contracts, too.
+            // If `J` is close to the identity, the fixed point contracts, too.
             iteration.may_contract = (taken.stretch - 1.0).abs() <= 0.5 * iteration.costs.slowest;
         }
         iteration.last = S::from_f64(relative);

@@ -32,7 +32,7 @@ pub(super) const fn is_in_lanes<S: Scalar>() -> bool {
     S::LANES_ARE_PATHS && S::LANES > 1
 }
 
-/// What a correction, relative to the largest unknown, says together with the one before.
+/// The size of a correction, relative to the largest unknown, and its ratio to the one before.
 #[derive(Clone, Copy)]
 pub(super) struct ConvergenceRate<R: Scalar> {
     relative: R,

@@ -27,7 +27,7 @@ pub struct LoopMemory<S: Scalar> {
     pub(super) solver: IterationMemory<S>,
     /// The tiles of explicit steps of a large system.
     pub(super) plan: TilePlan,
-    /// Where numbers carry derivatives, the values of implicit steps.
+    /// The values of implicit steps in numbers with derivatives.
     pub(super) values: Option<Box<ScalarSolution<S>>>,
 }
 
@@ -53,7 +53,7 @@ pub(super) struct IterationMemory<S: Scalar> {
 #[derive(Debug, Default)]
 pub(super) struct CarefulScratch<S> {
     pub(super) start: Vec<S>,
-    /// Which equations are solved to rounding.
+    /// Marks of the equations that are solved to rounding.
     pub(super) are_settled: Vec<bool>,
     pub(super) room: NewtonScratch<Vec<S>>,
 }

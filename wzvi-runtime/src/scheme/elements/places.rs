@@ -63,7 +63,7 @@ pub enum Atom {
 /// A place in a list.
 #[derive(Debug)]
 pub struct Position {
-    /// Which entry.
+    /// The index of the entry.
     pub index: Index,
     /// Whether the compiler has shown that the list is long enough.
     pub is_inside: bool,

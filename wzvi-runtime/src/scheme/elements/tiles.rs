@@ -108,7 +108,7 @@ struct TiledStep {
     /// Coordinates after the rounds with even and with odd numbers.
     coordinates: [Vec<f64>; 2],
     momenta: Vec<f64>,
-    /// What rounding took from coordinates and momenta; empty for plain sums.
+    /// The rounding errors of coordinates and momenta; empty for plain sums.
     lost: [Vec<f64>; 2],
     kept: ForceCache,
 }
@@ -279,7 +279,7 @@ impl TiledStep {
     }
 }
 
-/// The same lists, for a part of their use.
+/// Lends the lists for a part of their use.
 fn lend<'a, const N: usize>(lists: &'a mut [&mut [f64]; N]) -> [&'a mut [f64]; N] {
     lists.each_mut().map(|list| &mut **list)
 }

@@ -18,7 +18,7 @@ use crate::scheme::elements::Elements;
 pub(super) type GaussInputOf<F, S, const N: usize> =
     GaussInput<S, <F as Elements>::Shape, <F as Field>::Noises, N>;
 
-/// What the steps of a system keep for the next.
+/// The history of the steps of a system.
 pub(super) type GaussHistoryOf<F, S, const N: usize> =
     GaussHistory<S, <F as Elements>::Shape, <F as Field>::Noises, N>;
 
@@ -41,7 +41,7 @@ pub struct GaussMemory<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) lists: StageLists<S, H, N>,
 }
 
-/// What a step keeps for the next one, and scratch for its solution.
+/// The memory of a step for the next one, and scratch for its solution.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct GaussHistory<S: Scalar, H: Shape, W: Shape, const N: usize> {
@@ -60,13 +60,13 @@ pub(super) struct GaussHistory<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) linear: Option<Box<Linear<N>>>,
     /// Scratch for a path that is solved alone.
     pub(super) scalar_path: Option<Box<ScalarPath<H, W, N>>>,
-    /// What is known of the step of that path.
+    /// The knowledge about the step of that path.
     pub(super) known: KnownDerivatives,
     /// The derivatives that are taken of it in all.
     pub(super) derivatives: usize,
 }
 
-/// What is known of a step in numbers with derivatives before it is taken.
+/// The knowledge about a step in numbers with derivatives before it is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum KnownDerivatives {
     Nothing,

@@ -43,7 +43,7 @@ struct Jacobian<S> {
     lists: [Vec<Dual<1>>; 4],
     dw: Vec<Dual<1>>,
     columns: PairColumns,
-    /// Which equations are solved to rounding.
+    /// Marks of the equations that are solved to rounding.
     are_settled: Vec<bool>,
 }
 

@@ -57,7 +57,7 @@ impl Tree {
         Self::new(self.branches.iter().cloned().chain(once(branch)).collect())
     }
 
-    /// The same tree seen from each of its vertices.
+    /// This tree seen from each of its vertices.
     pub(super) fn rootings(&self) -> Vec<Self> {
         let mut rootings = vec![self.clone()];
         for (at, (half, beyond)) in self.branches.iter().enumerate() {

@@ -98,7 +98,7 @@ pub struct TakenStep<'a, M> {
     pub p: &'a [f64],
     /// Its increments.
     pub dw: &'a [f64],
-    /// What it left for the next step.
+    /// The memory that it left for the next step.
     pub memory: &'a M,
     /// Whether these are the first of its deviations.
     pub is_first: bool,
@@ -173,7 +173,7 @@ pub struct Properties {
     pub has_temperatures: bool,
     /// Whether steps follow from a discrete Lagrangian.
     pub is_variational: bool,
-    /// Where implicit steps have poles in linear systems, if that is known and there are any.
+    /// The poles of implicit steps in linear systems, if they are known and there are any.
     pub poles: Option<Poles>,
 }
 

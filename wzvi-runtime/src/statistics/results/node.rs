@@ -10,7 +10,7 @@ use crate::statistics::quantiles::Quantiles;
 use crate::statistics::results::Statistics;
 use crate::statistics::statistic::{Seen, Statistic, Tables};
 
-/// What the table of quantiles has.
+/// The fractions in the table of quantiles.
 const FRACTIONS: [f64; 11] = [0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999, 1.0];
 
 /// All paths at each recorded time.

@@ -65,7 +65,7 @@ pub(super) fn checked(mut deviations: Vec<Vec<f64>>, length: usize) -> Result<Ve
         normalise(deviation);
         let mut own = deviation.clone();
         let rest = orthogonalise(&frame, &mut own);
-        // What rounding leaves of a unit vector whose parts along as many others are subtracted.
+        // Rounding leaves so much of a unit vector whose parts along as many others are subtracted.
         if rest <= 4.0 * f64::EPSILON * length as f64 {
             return wrong(format!(
                 "deviation {number} is a sum of multiples of those before it: leave it out"

@@ -1,4 +1,4 @@
-//! What can be wrong with a checkpoint.
+//! Errors of checkpoints.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub enum CheckpointError {
     Kind {
         /// The file.
         path: PathBuf,
-        /// What it is a checkpoint of.
+        /// The kind of run that the checkpoint belongs to.
         kind: &'static str,
     },
     /// The file has another version of the format.
@@ -44,7 +44,7 @@ pub enum CheckpointError {
     OtherRun {
         /// The file.
         path: PathBuf,
-        /// What differs, at least one thing.
+        /// The differences, at least one.
         differences: Vec<Difference>,
     },
     /// The file is of this run, but lies beyond the requested end.
@@ -77,7 +77,7 @@ pub enum CheckpointError {
     Internal(InternalError),
 }
 
-/// What happened to a file.
+/// The damage of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Damage {
@@ -101,7 +101,7 @@ pub enum Damage {
     Content(String),
 }
 
-/// What differs between the run of a checkpoint and this one.
+/// One difference between the run of a checkpoint and this one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// The setting.

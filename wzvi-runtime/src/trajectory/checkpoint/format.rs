@@ -14,7 +14,7 @@ pub(super) const VERSION: u32 = 5;
 /// Bytes of a word.
 const WORD: usize = 8;
 
-/// What there are checkpoints of.
+/// The kind of run that a checkpoint belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CheckpointKind {
     Path,
@@ -38,11 +38,11 @@ impl CheckpointKind {
 /// A run at one of its nodes, or after some of its chunks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Saved {
-    /// Which run it is.
+    /// The identity of the run.
     pub(super) run: RunDescription,
     /// Steps or chunks that are done.
     pub(super) done: u64,
-    /// What is known after them.
+    /// The results after them.
     pub(super) content: Vec<u64>,
 }
 

@@ -38,7 +38,8 @@ pub(crate) fn sections<V>(sections: &Sections<'_, V>, start: &State<V>) -> Field
     fields
 }
 
-/// What a step is of.
+/// The fields that identify a step: the version of wzvi, the system, the scheme, their sizes and the step
+/// size.
 pub(super) fn scheme<H: Hamiltonian, E>(system: &H, degrees: usize, h: f64) -> Fields {
     let fields = [
         ("the version of wzvi", env!("CARGO_PKG_VERSION").to_owned()),
@@ -127,7 +128,7 @@ impl Write for TextChecksum<'_> {
     }
 }
 
-/// What differs between two lists of fields, in the order of `run`.
+/// The differences of two lists of fields, in the order of `run`.
 pub(super) fn differences(checkpoint: &Fields, run: &Fields) -> Vec<Difference> {
     let value = |fields: &Fields, name: &str| {
         fields.iter().find(|(field, _)| field == name).map(|(_, value)| value.clone())
@@ -144,7 +145,7 @@ pub(super) fn differences(checkpoint: &Fields, run: &Fields) -> Vec<Difference> 
         .collect()
 }
 
-/// What differs between two first states of `d` degrees of freedom, bit by bit.
+/// The differences of two first states of `d` degrees of freedom, bit by bit.
 pub(super) fn start_differences(d: usize, checkpoint: &[u64], run: &[u64]) -> Vec<Difference> {
     let show = |word: Option<&u64>| word.map(|word| format!("{:?}", f64::from_bits(*word)));
     (0..checkpoint.len().max(run.len()))

@@ -15,10 +15,10 @@ use crate::scheme::system::{Discretized, PreparedOf};
 use crate::trajectory::Error;
 use crate::trajectory::checkpoint::{CheckpointError, Difference};
 
-/// What makes two runs the same.
+/// The identity of a run: two runs with equal descriptions are the same.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RunDescription {
-    /// What the user set, by name.
+    /// The settings of the user, by name.
     settings: Fields,
     /// Checksums of what follows from that, by name.
     derived: Fields,
@@ -124,7 +124,7 @@ pub(crate) struct CheckpointKeeper {
 #[derive(Debug)]
 struct RunFile {
     extent: RunExtent,
-    /// Where the name leads: a run that names it in another way finds the same one.
+    /// The path behind symbolic links: a run that names the file in another way finds the same one.
     path: PathBuf,
     /// The first line of the file as this run left it; `None` before there is one.
     line: Option<Vec<u8>>,
@@ -218,7 +218,7 @@ impl CheckpointKeeper {
         }
     }
 
-    /// What the file does not fit, found after it was opened.
+    /// The error for a difference that is found after the file was opened.
     pub(super) fn other_run(&self, difference: Difference) -> CheckpointError {
         let path = self.file.as_ref().map_or_else(PathBuf::new, |file| file.path.clone());
         CheckpointError::OtherRun { path, differences: vec![difference] }

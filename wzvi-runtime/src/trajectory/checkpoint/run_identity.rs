@@ -1,4 +1,4 @@
-//! What a single path is, for its checkpoint.
+//! The identity of a single path, for its checkpoint.
 
 use super::format::CheckpointKind;
 use super::identity;
@@ -56,7 +56,7 @@ impl CheckpointKeeper {
     }
 }
 
-/// What makes a path another than others.
+/// The description that distinguishes a path from others.
 fn described<H: Discretized<E>, E, N: Noise, C: StateSum<f64>>(
     path: &OnePath<'_, '_, H, E, N, C>,
     run: &RunState<'_, '_, impl Observer<H::Vector>, H::Vector>,

@@ -1,4 +1,4 @@
-//! What can be wrong with a path of a multilevel run.
+//! Errors of paths of multilevel runs.
 
 use crate::error::{StepError, messages};
 

@@ -1,4 +1,4 @@
-//! What can go wrong with a plot.
+//! Errors of plots.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What can go wrong with a report.
+//! Errors of reports.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub enum ReportError {
         path: PathBuf,
         /// The line, from 1.
         line: u64,
-        /// What is wrong with it.
+        /// The mistake in this line.
         cause: String,
     },
     /// A plot could not be drawn.

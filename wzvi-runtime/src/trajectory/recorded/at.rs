@@ -60,7 +60,7 @@ impl<V: Vector, E> Trajectory<V, E> {
         NodeGrid { start, h: path.h, steps: path.steps, end: Some(path.last.t), shorter: path.shorter }
     }
 
-    /// Where a node is among the recorded states.
+    /// The index of a node among the recorded states.
     fn index(&self, grid: &NodeGrid, node: u64) -> Option<usize> {
         let (sign, t) = (grid.h.signum(), grid.time(node));
         // The first one that is no more than half a step earlier.

@@ -10,13 +10,13 @@ use crate::trajectory::series::SeriesError;
 pub enum PathError {
     /// Not every step was recorded, but the answer depends on every one.
     Gaps {
-        /// What `record_every` was.
+        /// The value of `record_every`.
         every: u64,
     },
     /// The recorded nodes are not evenly spaced: the last is not a multiple of `record_every` steps from the
     /// start, other nodes are recorded, or the last step is shorter.
     Uneven {
-        /// What `record_every` was.
+        /// The value of `record_every`.
         every: u64,
         /// Steps of the path.
         steps: u64,
@@ -36,7 +36,7 @@ pub enum PathError {
     Unrecorded {
         /// The requested time.
         t: f64,
-        /// What `record_every` was.
+        /// The value of `record_every`.
         every: u64,
     },
     /// The path is one of another system: degrees of freedom and noises differ.

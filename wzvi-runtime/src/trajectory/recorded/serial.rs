@@ -25,7 +25,7 @@ impl<'de, V: Vector + Deserialize<'de>, E> Deserialize<'de> for Trajectory<V, E>
 }
 
 impl<V: Vector> Path<V> {
-    /// What no run could have left.
+    /// The first reason why no run can have made this path, if there is one.
     fn mistake(&self) -> Option<&'static str> {
         let Some(first) = self.states.first() else { return Some("a trajectory has at least its start") };
         let d = first.q.components().len();

@@ -29,7 +29,7 @@ pub(super) fn root(
         let towards = if truncation <= distance { secant + side * truncation } else { middle };
         let allowed = radius - 0.5 * (b - a);
         let x = if (towards - middle).abs() <= allowed { towards } else { middle - side * allowed };
-        // What is left may be shorter than the distance of two numbers.
+        // The rest of the interval may be shorter than the distance of two numbers.
         let x = if x > a && x < b { x } else { middle };
         if !(x > a && x < b) {
             break;

@@ -12,13 +12,13 @@ pub(crate) struct SignSide<P> {
     pub(super) value: f64,
     /// The sign of the last value that was not zero; 0 before there is one, and after NaN.
     pub(super) sign: f64,
-    /// Where the value has been zero since.
+    /// The first point since then at which the value was zero.
     pub(super) touched: Option<P>,
 }
 
-/// Where a function has changed its sign.
+/// The place of a change of sign of a function.
 pub(crate) enum SignChange<P> {
-    /// Where it was zero: at a point before.
+    /// At a point before, where the function was zero.
     At(P),
     /// Between the last two points.
     Between,
@@ -74,8 +74,8 @@ pub(crate) fn crossing_of_chord([start, end]: [f64; 2], [before, after]: [f64; 2
 mod tests {
     use super::{SignChange, SignSide, crossing_of_chord};
 
-    /// Where a function with these values at 0, 1, 2, ... changes its sign: at a point, or after one and a
-    /// half of the way.
+    /// The places where a function with these values at 0, 1, 2, ... changes its sign; a place between `n`
+    /// and `n + 1` is `n + 1/2`.
     fn changes(values: &[f64]) -> Vec<f64> {
         let mut side = SignSide::at(values[0]);
         let next = (1..).zip(&values[1..]).filter_map(|(i, &value)| {

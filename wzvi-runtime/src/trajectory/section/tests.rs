@@ -4,8 +4,8 @@ use super::*;
 
 type V1 = SVector<f64, 1>;
 
-/// What a path crosses whose value is that of `f` at each time, in steps of one unit that are straight lines
-/// of time.
+/// The crossings of a path with the value `f` at each time, in steps of one unit that are straight lines of
+/// time.
 fn crossings(f: impl Fn(f64) -> f64 + Send + Sync, steps: u32) -> Vec<(f64, Direction)> {
     let mut sections = Sections::default();
     sections.push(None, |state: &State<V1>| f(state.t));
@@ -69,7 +69,7 @@ fn several_crossings_in_a_step_are_found() {
             assert_eq!(found.len(), 2, "{distance} around {middle}: {found:?}");
             assert_eq!([found[0].1, found[1].1], [Falling, Rising]);
             let gap = found[1].0 - found[0].0;
-            // Where the function is flat, rounding of its value moves its zero.
+            // If the function is flat, rounding of its value moves its zero.
             assert!((gap - distance).abs() < 1e-14 / distance, "{distance} around {middle}: {gap}");
         }
     }

@@ -105,7 +105,7 @@ impl Autocorrelation {
         let variance = at(0);
         let rho: Vec<f64> = (0..length).map(|lag| at(lag) / variance).collect();
         let window = window(&rho, count).ok_or(SeriesError::Short { length })?;
-        // What the mean takes from the correlations (equation 49 of Wolff).
+        // The factor corrects the bias from the estimated mean (equation 49 of Wolff).
         let time = to_lag(&rho, window) * (1.0 + (2 * window) as f64 / count as f64);
         let spectrum = PowerSpectrum::new(&power, variance, series.len(), length);
         let time_error = spectrum.error(window, time);

@@ -1,4 +1,4 @@
-//! What can be wrong with a series of values.
+//! Errors of series of values.
 
 use crate::error::messages;
 

@@ -13,7 +13,7 @@ use crate::trajectory::simulate::{Node, Observer};
 /// Observables, and the errors that are small enough for them.
 pub(super) type NamedTargets = Vec<(String, f64)>;
 
-/// What a run that keeps no path averages.
+/// The averages of a run that keeps no path.
 pub(crate) struct Averaged<'a, V> {
     pub(crate) names: Vec<String>,
     pub(crate) functions: Vec<Observable<'a, V>>,

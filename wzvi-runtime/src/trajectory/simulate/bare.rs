@@ -15,7 +15,7 @@ use crate::trajectory::retry::{Retry, Subdivision};
 use crate::trajectory::span::NodeGrid;
 use crate::trajectory::steps::{SinglePath, StepToTake};
 
-/// What takes the steps, and from where.
+/// A run of steps alone: its stepper and its start, without records.
 pub(crate) struct StepsOnly<'a, H: Discretized<E>, E, N, C> {
     pub(crate) system: &'a H,
     pub(crate) h: f64,
@@ -23,7 +23,7 @@ pub(crate) struct StepsOnly<'a, H: Discretized<E>, E, N, C> {
     pub(crate) grid: NodeGrid,
     whole: Subdivision<'a, H, E, C>,
     noise: Option<N>,
-    /// What shows how far it is, and stops it.
+    /// The settings that show the progress of the run, and stop it.
     execution: Execution<'a>,
     /// The number of its runs in all, and the steps of those before the present one.
     pub(crate) runs: u64,

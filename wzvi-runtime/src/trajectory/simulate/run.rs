@@ -134,7 +134,7 @@ where
     Ok(())
 }
 
-/// What a run writes down of its steps.
+/// The records that a run makes of its steps.
 pub(crate) struct RunRecords<V> {
     pub(crate) recorder: Recorder<V>,
     /// Sums of all increments, for an observer and a checkpoint.
@@ -161,7 +161,7 @@ impl<V: Vector> RunRecords<V> {
     }
 }
 
-/// What a run has found out: what a checkpoint keeps and brings back, beside the path itself.
+/// The results of a run so far, which a checkpoint keeps beside the path itself.
 pub(crate) struct RunState<'s, 'a, O, V> {
     pub(crate) observer: O,
     pub(crate) account: RunRecords<V>,

@@ -153,8 +153,8 @@ where
     }
 }
 
-/// What a column is the derivative by: a coordinate or a momentum of the start, or a parameter, after which
-/// the step size comes.
+/// The variable of a column of derivatives: a coordinate or a momentum of the start, or a parameter; the step
+/// size comes after all parameters.
 #[derive(Clone, Copy)]
 enum TangentVariable {
     Start(usize),
@@ -191,7 +191,7 @@ pub(crate) struct TangentColumns<H: Discretized<E>, E, K: Constant, const N: usi
     memory: MemoryOf<H, E, Dual<N>>,
 }
 
-/// What columns of derivatives of one step have in common: its values, and the factors of its Jacobian.
+/// The data that all columns of derivatives of one step share: its values, and the factors of its Jacobian.
 pub(crate) struct SharedStep<H: Discretized<E>, E, const N: usize> {
     memory: MemoryOf<H, E, Dual<N>>,
     /// Whether they belong to the next step, too.

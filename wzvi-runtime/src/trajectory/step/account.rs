@@ -1,4 +1,4 @@
-//! What forces and friction that are parts of a scheme's steps do to the energy.
+//! The account of the energy that forces and friction exchange, if they are parts of a scheme's steps.
 //!
 //! Along the dense output of a step, with the nodes `θ_i` and weights `b_i` of Gauss,
 //!
@@ -17,7 +17,7 @@ use crate::scheme::system::{Discretized, Exchange, Gradient, Hamiltonian};
 /// The accountant of a stepper.
 #[derive(Clone, Debug)]
 pub(super) struct EnergyLedger<V> {
-    /// Where the step began.
+    /// The state at the start of the step.
     pub(super) before: State<V>,
     pub(super) dense: DenseOutput<V>,
     at: State<V>,
@@ -45,7 +45,7 @@ impl<V: Vector> EnergyLedger<V> {
         Self { before: state.clone(), dense, at: state.clone(), force: zeros(), drift, noise, quadrature }
     }
 
-    /// What the step that `dense` is of exchanged, besides what its scheme accounts for.
+    /// The energy that the step of `dense` exchanged, besides the energy that its scheme accounts for.
     pub(super) fn exchanged<H: Discretized<E, Vector = V>, E>(
         &mut self,
         system: &H,

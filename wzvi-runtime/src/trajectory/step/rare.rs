@@ -36,7 +36,7 @@ pub(super) struct TakenRareStep<H: Discretized<E>, E, C> {
 /// A step that was not taken.
 pub(super) struct RefusedStep<M> {
     pub(super) cause: StepFailure,
-    /// What was given: its room, and nothing that is remembered.
+    /// The memory that was given. Its lists serve again as scratch; what it remembered is lost.
     pub(super) memory: Option<M>,
 }
 

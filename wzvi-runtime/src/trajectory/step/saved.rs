@@ -48,7 +48,7 @@ impl<H: Discretized<E>, E, C: StateSum<f64>> Stepper<'_, H, E, C> {
         }
     }
 
-    /// What is computed once for all steps, for people and checksums.
+    /// The constants of all steps, which are computed once, for people and checksums.
     pub(crate) fn prepared(&self) -> &PreparedOf<H, E> {
         &self.prepared
     }

@@ -76,7 +76,7 @@ pub(super) fn exp_m1(x: f64) -> f64 {
     let near_zero = r - (r * e - z);
     let e = (r * (e - lost) - lost) - z;
     let inverse = inverse_power_of_two(bits);
-    // Where r and 1/2 cancel, their sum is exact and comes first.
+    // If r and 1/2 cancel, their sum is exact and comes first.
     let cancels = k == 1.0 && r < -0.25;
     let moderate = select(cancels, (r + 0.5) - e, (r - e) + (1.0 - inverse));
     let large = (r - (e + inverse)) + 1.0;

@@ -149,7 +149,7 @@ struct TileInRound<'t, H, W, const WHOLE: bool> {
     from: OffsetSlice<'t>,
     to: &'t mut [f64],
     momenta: &'t mut [f64],
-    /// What rounding took from coordinates and momenta, if sums are compensated.
+    /// The rounding errors of coordinates and momenta, if sums are compensated.
     lost_q: &'t mut [f64],
     lost_p: &'t mut [f64],
     sums: &'t mut [f64],

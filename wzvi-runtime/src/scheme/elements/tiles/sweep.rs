@@ -142,7 +142,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         TypeId::of::<H::CommonRange>() != TypeId::of::<H::Exact>() && self.takes_vectors(scratch)
     }
 
-    /// The same step, if its numbers are `f64`.
+    /// This step, if its numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain(&self) -> Option<LoopStep<'_, H, f64>> {
         let &Self { system, scheme, t, h, q, p, dw, increment, .. } = self;

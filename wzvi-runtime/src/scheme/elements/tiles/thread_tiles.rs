@@ -12,7 +12,7 @@ use crate::algebra::threads::each;
 use crate::scheme::elements::change::Change;
 use crate::scheme::elements::step::nothing;
 
-/// What a thread takes, where its tiles end, and scratch for the sums of one of them.
+/// The work of a thread, the end of its tiles, and scratch for the sums of one of them.
 #[derive(Debug)]
 pub(super) struct ThreadTiles<W> {
     pub(super) work: W,

@@ -95,7 +95,7 @@ pub trait Word: Copy + Send + Sync {
         V: ElementInput<f64> + ?Sized,
         A: Sums<f64>;
 
-    /// What rounding took from coordinates and from momenta before, if sums are compensated.
+    /// The rounding errors of coordinates and of momenta before the step, if sums are compensated.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lost(&self) -> [&[f64]; 2] {
         [&[]; 2]

@@ -61,7 +61,7 @@ impl<V: Vector> Recorder<V> {
         crossings.iter_mut().for_each(|crossing| crossing.pass(tape));
     }
 
-    /// Which nodes are recorded.
+    /// The recorded nodes.
     pub(crate) fn recording(&self) -> &Recording {
         &self.recording
     }
