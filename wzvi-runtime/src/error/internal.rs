@@ -26,7 +26,7 @@ impl InternalError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepPromise {
     /// A system whose steps go tile by tile has tiles.
-    Windows,
+    Tiles,
     /// Friction and noise are taken together with the drifts around them only where rates and masses are
     /// lists.
     ListedRates,
@@ -37,11 +37,11 @@ pub enum StepPromise {
 }
 
 impl StepPromise {
-    pub(super) const ALL: [Self; 4] = [Self::Windows, Self::ListedRates, Self::PlainConstants, Self::Bath];
+    pub(super) const ALL: [Self; 4] = [Self::Tiles, Self::ListedRates, Self::PlainConstants, Self::Bath];
 }
 
 messages! { StepPromise:
-    Self::Windows => "a system whose steps go tile by tile has tiles";
+    Self::Tiles => "a system whose steps go tile by tile has tiles";
     Self::ListedRates => "friction and noise are taken together with drifts only where rates and masses are lists";
     Self::PlainConstants => "the constants of a step have derivatives only where its scheme takes them along";
     Self::Bath => "friction and noise of a bath are parts of steps with a bath";

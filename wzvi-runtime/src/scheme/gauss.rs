@@ -78,8 +78,8 @@ pub trait Field: Elements + Sized {
     /// The values of these parameters.
     fn parameters<K: Constant>(&self, lift: LiftParameter<'_, K>) -> ConstantsIn<Self::Parameters, K>;
 
-    /// Takes all parts of a step of drifts and kicks, window by window, if the system [has
-    /// windows](Facts::has_tiles) and `F = T(p) + V(q, t)`.
+    /// Takes all parts of a step of drifts and kicks, tile by tile, if the system [has
+    /// tiles](Facts::has_tiles) and `F = T(p) + V(q, t)`.
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if the new state is not finite.

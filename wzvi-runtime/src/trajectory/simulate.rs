@@ -194,7 +194,7 @@ impl<'a, H: Hamiltonian, E, N, O, S> Simulation<'a, H, E, N, O, S> {
         Simulation { setup, noise, observer, types: PhantomData }
     }
 
-    /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The
+    /// Sets the number of threads for the steps of large systems, as far as these have enough tiles. The
     /// default is all cores, from a size on where that pays; 1 switches threads off. The result is the same,
     /// bit for bit.
     pub fn threads(mut self, threads: usize) -> Self {

@@ -231,7 +231,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         self
     }
 
-    /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The
+    /// Sets the number of threads for the steps of large systems, as far as these have enough tiles. The
     /// default is all cores, from a size on where that pays ([systems of any size](crate::scheme::elements));
     /// 1 switches threads off. The result is the same, bit for bit. Every step then starts its own threads,
     /// an implicit step in each iteration, which allocates.

@@ -37,7 +37,7 @@
 //!
 //! As long as the last test found nothing, `H` itself is compared with the reference first, and `E_h` is
 //! computed only where `H` is off by more than `A/10`: a run that keeps `H` is no wrong one. A test evaluates
-//! the energy site by site, which costs several steps that go window by window. In a system of 96 degrees of
+//! the energy site by site, which costs several steps that go tile by tile. In a system of 96 degrees of
 //! freedom or more, one step in 64 is tested after the first 64 steps and the one 64 steps before the end,
 //! until one is off, unless its steps may be halved or its energy may jump. A run that is not monitored
 //! computes no energy; if its steps may be halved, it adds up `A`, which decides whether halves agree.

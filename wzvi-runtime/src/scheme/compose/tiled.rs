@@ -62,7 +62,7 @@ pub(crate) struct TiledInput<'a> {
 
 impl TiledMemory {
     /// Goes tile by tile on this many threads:
-    /// [`MemoryRequest::Share`](crate::algebra::memory::Request::Share).
+    /// [`MemoryRequest::Share`](crate::algebra::memory::MemoryRequest::Share).
     pub(crate) fn share(&mut self, threads: Threads) {
         self.plan.share(threads);
     }
@@ -95,7 +95,7 @@ impl TiledMemory {
         let reads_time = F::FORCE_READS_TIME;
         let mut word =
             TiledWord::<RELAXES, CARRIES> { t, h, stretch, stages, scaled, reads_time, lost, relaxing };
-        let missing = Err(StepFailure::Internal(StepPromise::Windows));
+        let missing = Err(StepFailure::Internal(StepPromise::Tiles));
         system.take_tiles(&mut word, q, p, plan).unwrap_or(missing)
     }
 

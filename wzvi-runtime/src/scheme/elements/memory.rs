@@ -213,7 +213,7 @@ impl<S> StageVectors<'_, S> {
     }
 }
 
-/// The parts of a [`Memory`] that the solution of a step reads and writes.
+/// The parts of a [`LoopMemory`] that the solution of a step reads and writes.
 pub(super) struct LoopScratch<'a, S: Scalar> {
     pub(super) lists: StepLists<'a, S>,
     pub(super) solver: &'a mut IterationMemory<S>,
@@ -303,7 +303,7 @@ impl<S: Scalar> std::fmt::Debug for LoopMemory<S> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { degrees, known, solver: IterationMemory { iteration, past, preference, .. }, .. } = self;
         formatter
-            .debug_struct("Memory")
+            .debug_struct("LoopMemory")
             .field("degrees", degrees)
             .field("iteration", iteration)
             .field("past", &&past[..usize::from(*known).min(past.len())])

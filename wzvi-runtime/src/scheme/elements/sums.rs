@@ -8,7 +8,7 @@ use std::ops::{Index, Range};
 use super::pairs::{Pair, Row, add_row};
 use crate::algebra::scalar::{Number, Scalar};
 
-/// Input numbers of elements by degree of freedom: all of them, or those of a stretch.
+/// Input numbers of elements by degree of freedom: all of them, or a slice of them.
 pub trait ElementInput<S>: Index<usize, Output = S> + Index<Range<usize>, Output = [S]> {
     /// The degrees of freedom of the system.
     fn degrees(&self) -> usize;
@@ -198,7 +198,7 @@ impl<S: Scalar> Sums<S> for OntoVector<'_, S> {
     }
 }
 
-/// A stretch of such sums, in points.
+/// A slice of such sums, in points.
 pub(super) struct OntoRun<'r, S, const D: usize> {
     base: &'r [[S; D]],
     next: &'r mut [[S; D]],
@@ -221,7 +221,7 @@ impl<S: Scalar, const D: usize> AdjacentSums<S> for OntoRun<'_, S, D> {
     }
 }
 
-/// A stretch of a vector.
+/// A slice of a vector.
 #[derive(Debug)]
 pub struct VectorRun<'r, S>(pub(super) &'r mut [S]);
 

@@ -45,8 +45,8 @@ use crate::scheme::system::Movable;
 /// Degrees of freedom from which steps go tile by tile; a smaller system is a single tile anyway.
 pub const LEAST_IN_TILES: usize = 96;
 
-/// Number of places of a tile. Five stretches of this length are in use at a time: forces, and both halves
-/// of the state before and after.
+/// Number of places of a tile. Five slices of this length are in use at a time: forces, and both halves of
+/// the state before and after.
 const SIZE: usize = 512;
 
 /// Tiles begin at multiples of this.
@@ -78,7 +78,7 @@ impl TilePlan {
     }
 
     /// Goes tile by tile on this many threads:
-    /// [`MemoryRequest::ThreadRounds`](crate::algebra::memory::Request::ThreadRounds).
+    /// [`MemoryRequest::Share`](crate::algebra::memory::MemoryRequest::Share).
     pub(crate) fn share(&mut self, threads: Threads) {
         *self = Self { threads, plan: None };
     }

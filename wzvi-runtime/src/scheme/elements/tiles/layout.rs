@@ -1,4 +1,4 @@
-//! The stretch of the slope vectors that each tile writes.
+//! The range of the gradient that each tile writes.
 //!
 //! A step of a large system proceeds in tiles that stay in the first-level cache: first all derivatives of a
 //! tile, then the numbers that follow from them. Every entry gets the same terms in the same order as in
@@ -73,8 +73,8 @@ impl<'a> Tile<'a> {
 /// As [`Sums::clip`], for placements that write into `places`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn clip<const N: usize>(places: Range<usize>, len: usize, first: [usize; N]) -> (usize, usize) {
-    // Rows of a lattice mostly lie in one tile, so that a single stretch decides. Chains, with one or two
-    // stretches, do not.
+    // Rows of a lattice mostly lie in one tile, so that a single run decides. Chains, with one or two runs,
+    // do not.
     if N > 2 && first.iter().any(|&first| places.start <= first && first + len <= places.end) {
         return (0, len);
     }
@@ -296,7 +296,7 @@ impl Tiling {
         self.neighbours.iter().all(|neighbours| neighbours.len() == 1)
     }
 
-    /// All tiles in `number` contiguous portions, or in fewer if there are fewer tiles.
+    /// All tiles in `number` contiguous ranges, or in fewer if there are fewer tiles.
     pub(super) fn by_thread(&self, number: usize) -> impl Iterator<Item = Range<usize>> {
         let all = self.neighbours.len();
         let parts = number.clamp(1, all.max(1));

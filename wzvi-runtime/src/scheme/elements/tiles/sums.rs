@@ -127,7 +127,7 @@ impl<'a> Sums<f64> for TileSums<'a> {
     }
 }
 
-/// A stretch of a tile.
+/// A slice of the sums of a tile.
 pub(super) struct TileRun<'r> {
     sums: &'r mut [f64],
     is_fresh: bool,

@@ -38,7 +38,7 @@ use crate::scheme::elements::sums::ElementInput;
 use crate::scheme::elements::{Elements, MomentumUpdate, Partials, Quadrature, Unknowns};
 use crate::scheme::system::Hamiltonian as _;
 
-/// Number of places of a tile. Ten stretches of this length are in use at a time.
+/// Number of places of a tile. Ten slices of this length are in use at a time.
 const SIZE: usize = 256;
 
 /// Least number of degrees of freedom for each thread in each pass: the three or more passes of a step of
@@ -54,7 +54,7 @@ pub(in crate::scheme::elements) struct TileCorrection<S> {
     pub(in crate::scheme::elements) change: Option<Change>,
 }
 
-/// The tiles of a system, and the portions that threads take.
+/// The tiles of a system, and the tiles of each thread.
 #[derive(Debug)]
 pub(in crate::scheme::elements) struct TiledSweeps {
     tiles: Tiling,
@@ -276,7 +276,7 @@ impl<S: Scalar> LoopScratch<'_, S> {
         q: &mut [S],
         p: &mut [S],
     ) -> Result<(), StepFailure> {
-        let missing = Err(StepFailure::Internal(StepPromise::Windows));
+        let missing = Err(StepFailure::Internal(StepPromise::Tiles));
         let (Some(sweeps), MomentumUpdate::Multiple(factor)) =
             (self.solver.sweeps.as_deref_mut(), scheme.update)
         else {
@@ -302,7 +302,7 @@ impl<S: Scalar> LoopScratch<'_, S> {
     }
 }
 
-/// [`LoopStep::start`] of a portion.
+/// [`LoopStep::start`] in the tiles of one thread.
 struct TileStart<'a, 's, H> {
     step: LoopStep<'s, H, f64>,
     tiles: &'a Tiling,
@@ -343,7 +343,7 @@ impl<H: Elements + Sync> Kernel for TileStart<'_, '_, H> {
     }
 }
 
-/// [`LoopStep::sweep`] of a portion.
+/// [`LoopStep::sweep`] in the tiles of one thread.
 struct TileSweep<'a, 's, H> {
     step: LoopStep<'s, H, f64>,
     tiles: &'a Tiling,

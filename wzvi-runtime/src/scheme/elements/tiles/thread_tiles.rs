@@ -1,5 +1,5 @@
-//! Portions of adjacent tiles, one for each thread. Every number is the same as on one thread: the combined
-//! result does not depend on the order of the portions.
+//! The adjacent tiles of each thread. Every number is the same as on one thread: the combined result does not
+//! depend on the order of the threads.
 
 use std::mem::take;
 use std::ops::Range;
@@ -29,8 +29,8 @@ impl<W> ThreadTiles<W> {
     }
 }
 
-/// The part of lists that belongs to a portion, from the place `first` on. Lists that are not needed are
-/// empty.
+/// The parts of lists that belong to the tiles of a thread, from the place `first` on. Lists that are not
+/// needed are empty.
 pub(super) struct ThreadLists<'a, const N: usize> {
     pub(super) first: usize,
     pub(super) lists: [&'a mut [f64]; N],
@@ -78,8 +78,7 @@ impl TileResult {
     }
 }
 
-/// Does the work on the part of each portion, on one thread each if there are several; returns the combined
-/// result.
+/// Does the work of each thread, on threads if there are several; returns the combined result.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn on_threads<W: Send, const N: usize>(
     by_thread: &mut [ThreadTiles<W>],

@@ -65,7 +65,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
     }
 }
 
-/// [`LoopStep::solve_diagonal`] of a portion.
+/// [`LoopStep::solve_diagonal`] in the tiles of one thread.
 struct DiagonalSolve<'a, 's, H> {
     step: LoopStep<'s, H, f64>,
     tiles: &'a Tiling,
