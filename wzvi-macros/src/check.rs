@@ -7,7 +7,7 @@
 //! temperature, which `passes/friction.rs` checks before friction becomes a force.
 
 use crate::diagnostics::{Diagnostics, Located, facts as messages};
-use crate::discretise::{Facts, Failure, Flows, Invariant, KnownSum, split};
+use crate::discretise::{Facts, Failure, Invariant, KnownSum};
 use crate::embedding::{Correction, Embedding};
 use crate::model::System;
 use crate::symbolic::{Graph, Rational};
@@ -17,7 +17,7 @@ pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagno
     let System { graph, embeddings, .. } = system;
     check_consistency(graph, embeddings, facts, diagnostics);
     check_invariants(graph, facts, diagnostics);
-    check_parts(system, diagnostics);
+    check_parts(system, facts, diagnostics);
     check_flows(system, facts, diagnostics);
 }
 
@@ -68,27 +68,22 @@ fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnost
 }
 
 /// Each part of `drift = [H_A, H_B]` has a known flow, and forces and friction belong to one of them.
-fn check_parts(system: &mut System, diagnostics: &mut Diagnostics) {
-    let mut forms = Vec::new();
-    for part in 0..system.summands.len() {
-        let extent = system.summands[part].extent;
-        let form = split::form(system, part).map_err(|reason| messages::part_without_flow(extent, reason));
-        forms.extend(diagnostics.accept(form));
+fn check_parts(system: &System, facts: &Facts, diagnostics: &mut Diagnostics) {
+    for (part, form) in system.summands.iter().zip(&facts.summands.forms) {
+        if let Err(reason) = form {
+            diagnostics.report(messages::part_without_flow(part.extent, reason));
+        }
     }
-    if forms.len() == system.summands.len()
-        && let Err((extent, reason)) = split::assign_forces(system, &forms)
-    {
+    if let Err((extent, reason)) = facts.summands.assignment {
         diagnostics.report(messages::acts_in_no_part(extent, reason, &system.converted_force()));
     }
 }
 
 /// `Baoab` and the like are made of the flows of `T(p)` and `V(q, t)`.
-fn check_flows(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
-    let is_word = |known: &&Located<Embedding>| known.value.is_word();
-    let words: Vec<_> = system.embeddings.iter().filter(is_word).cloned().collect();
-    let listed: Vec<Embedding> = words.iter().map(|known| known.value.clone()).collect();
-    if !words.is_empty() && Flows::of(system, facts, &listed).is_none() {
-        for Located { value, extent } in &words {
+fn check_flows(system: &System, facts: &Facts, diagnostics: &mut Diagnostics) {
+    if facts.flows.is_none() {
+        let words = system.embeddings.iter().filter(|known| known.value.is_word());
+        for Located { value, extent } in words {
             diagnostics.report(messages::word_without_flows(*extent, value, &system.converted_force()));
         }
     }

@@ -376,9 +376,11 @@ fn terms(graph: &Graph, value: Expr) -> Vec<Expr> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
 
+    use std::rc::Rc;
+
     use super::*;
     use crate::diagnostics::Diagnostics;
-    use crate::discretise::{Facts, Solution, discretise};
+    use crate::discretise::{Facts, Quadrature, Solution, discretise};
     use crate::input;
     use crate::lower::lower;
     use crate::passes::collect::collect;
@@ -410,9 +412,9 @@ mod tests {
         collect(&mut system, &mut diagnostics);
         assert!(diagnostics.finish().is_ok(), "{attribute}");
         let facts = Facts::new(&mut system);
-        let line = written_out(&mut system).unwrap();
+        let line = Rc::new(written_out(&mut system).unwrap());
         let of_step = |step: &Embedding| {
-            let scheme = discretise(&mut system.graph, &line, &facts, step);
+            let scheme = discretise(&mut system.graph, line.clone(), &Quadrature::new(&facts, step));
             let is_newton = |solution: &Solution| matches!(solution, Solution::Newton { .. });
             let blocks = scheme.structure.blocks.iter().filter(|block| is_newton(&block.solution));
             [

@@ -7,9 +7,9 @@ use quote::quote;
 
 use crate::check::check;
 use crate::choose::choose;
-use crate::describe::{Texts, derived};
+use crate::describe::Texts;
 use crate::diagnostics::{Diagnostics, Located, internal};
-use crate::discretise::{Facts, Step};
+use crate::discretise::{Facts, Plans};
 use crate::embedding::Embedding;
 use crate::emit::stubs::Stubs;
 use crate::emit::{Expansion, emit};
@@ -104,13 +104,9 @@ fn compile(
     if choice.has_straight_lines() {
         system.line = written_out(&mut system).map(Rc::new);
     }
-    let steps = derived(listed.iter()).into_iter().map(|embedding| {
-        let form = choice.of(&embedding);
-        Step::of(&mut system, &facts, &embedding, form)
-    });
-    let steps: Vec<Step> = steps.collect();
-    let texts = Texts::new(&mut system, &facts, &listed, &steps);
-    Some(emit(&mut system, &facts, &steps, &texts))
+    let plans = Plans::new(&mut system, &facts, listed, |embedding| choice.of(embedding));
+    let texts = Texts::new(&mut system, &facts, &plans);
+    Some(emit(&mut system, &facts, &plans, &texts))
 }
 
 /// The system as elements in its form, and its facts. A small system that is refused in loops is written out:

@@ -1,94 +1,68 @@
-//! The texts of the listed schemes, composed from the texts of the derived schemes.
+//! The texts of the schemes, composed from the texts of the schemes with one `P`.
 
 use crate::discretise::describe::{derivation, hamiltonians, properties, staged, sweep};
-use crate::discretise::facts::split::{self, SummandForm};
-use crate::discretise::{Facts, Flows, Step};
+use crate::discretise::{Facts, Plans, SchemePlan, Step};
 use crate::embedding::{Embedding, LetterKind};
 use crate::model::{System, Temperature};
 use crate::symbolic::Rational;
 
 /// The texts of `EQUATIONS` and of the documentation.
 pub(crate) struct Texts {
-    /// The text of every derived scheme, in the order of derivation.
-    pub(crate) of_parts: Vec<String>,
-    /// Every listed scheme with its text.
-    pub(crate) listed: Vec<(Embedding, String)>,
-    /// The flows that compose `Verlet` and its compositions.
-    pub(crate) flows: Option<Flows>,
-    /// The forms of the parts of the drift, where `Verlet` is listed and the user wrote the drift in two
-    /// parts.
-    pub(crate) parts: Option<[SummandForm; 2]>,
-}
-
-/// The schemes with one quadrature point that the listed schemes need, each once.
-pub(crate) fn derived<'e>(listed: impl Iterator<Item = &'e Embedding>) -> Vec<Embedding> {
-    let mut derived: Vec<Embedding> = Vec::new();
-    for part in listed.flat_map(Embedding::substeps) {
-        if !derived.contains(&part) {
-            derived.push(part);
-        }
-    }
-    derived
+    of_schemes: Vec<(Embedding, String)>,
 }
 
 impl Texts {
-    /// The derived schemes whose steps are emitted: not the halves of `Verlet` where it composes flows.
-    pub(crate) fn stepped(&self) -> Vec<Embedding> {
-        let listed = self.listed.iter().map(|(embedding, _)| embedding);
-        derived(listed.filter(|embedding| self.flows.is_none() || !embedding.takes_flows()))
-    }
-
-    /// The listed schemes with several stages, and the number of stages.
-    pub(crate) fn staged(&self) -> impl Iterator<Item = (&Embedding, u32, &String)> {
-        self.listed.iter().filter_map(|(embedding, text)| Some((embedding, embedding.stages()?, text)))
-    }
-
-    /// `steps` are those of `derived(listed)`.
-    pub(crate) fn new(system: &mut System, facts: &Facts, listed: &[Embedding], steps: &[Step]) -> Self {
-        let (flows, parts) = (Flows::of(system, facts, listed), split::forms(system));
-        let parts = parts.filter(|_| listed.contains(&Embedding::Verlet));
+    pub(crate) fn new(system: &mut System, facts: &Facts, plans: &Plans) -> Self {
         let declared = hamiltonians(system, facts);
         let whole = |system: &mut System, embedding: &Embedding, derivation: &str| {
             let mut text = format!("{embedding}\n{declared}{derivation}");
             properties(&mut system.graph, facts, embedding, &mut text);
             text
         };
-        let (mut derivations, mut of_parts) = (Vec::new(), Vec::new());
-        for step in steps {
+        let (mut derivations, mut texts) = (Vec::new(), Self { of_schemes: Vec::new() });
+        for plan in &plans.schemes {
+            let SchemePlan { embedding, step, .. } = plan;
             let derivation = match step {
-                Step::StraightLine(_, scheme) => derivation(&mut system.graph, scheme),
-                Step::InLoops(embedding, strategy) => sweep::derivation(system, facts, embedding, *strategy),
+                Step::StraightLine(scheme) => derivation(&mut system.graph, scheme),
+                Step::InLoops(strategy) => sweep::derivation(system, facts, plans, plan, *strategy),
             };
-            of_parts.push(whole(system, step.embedding(), &derivation));
-            derivations.push(derivation);
+            texts.of_schemes.push((embedding.clone(), whole(system, embedding, &derivation)));
+            derivations.push((embedding, derivation));
         }
-        let of_step = |part: &Embedding, texts: &[String]| {
-            let step = steps.iter().position(|step| step.embedding() == part);
-            step.map_or_else(String::new, |step| texts[step].clone())
-        };
-        let of_listed = |embedding: &Embedding| {
-            let derivation = match embedding.substeps().as_slice() {
+        for embedding in &plans.listed {
+            let text = match embedding.substeps().as_slice() {
                 _ if embedding.is_thermostat() => {
-                    thermostat(embedding, system.has_forces(), system.temperature.as_ref())
+                    let bath = thermostat(embedding, system.has_forces(), system.temperature.as_ref());
+                    whole(system, embedding, &bath)
                 }
-                [whole] => return (embedding.clone(), of_step(whole, &of_parts)),
-                [] => embedding
-                    .stages()
-                    .map_or_else(String::new, |stages| staged::derivation(system, facts, stages)),
+                [step] if step == embedding => continue,
+                [step] => texts.of(step).to_owned(),
+                [] => {
+                    let stages = embedding.stages();
+                    let stages =
+                        stages.map_or_else(String::new, |n| staged::derivation(system, facts, plans, n));
+                    whole(system, embedding, &stages)
+                }
                 halves => {
-                    let halves = halves.iter().map(|half| (half, of_step(half, &derivations)));
-                    of_halves(halves, flows.is_some())
+                    let halves = derivations.iter().filter(|(known, _)| halves.contains(known));
+                    let halves = halves.map(|(half, derivation)| (*half, derivation.as_str()));
+                    whole(system, embedding, &of_halves(halves, plans.flows.is_some()))
                 }
             };
-            (embedding.clone(), whole(system, embedding, &derivation))
-        };
-        let listed = listed.iter().map(of_listed).collect();
-        Self { listed, flows, parts, of_parts }
+            texts.of_schemes.push((embedding.clone(), text));
+        }
+        texts
+    }
+
+    /// The text of a listed scheme, or of one with one `P` that a listed scheme needs.
+    pub(crate) fn of(&self, embedding: &Embedding) -> &str {
+        let known = self.of_schemes.iter().find(|(known, _)| known == embedding);
+        known.map_or("", |(_, text)| text)
     }
 }
 
 /// The text of a step in two halves; `has_flows`: the halves are flows.
-fn of_halves<'e>(halves: impl Iterator<Item = (&'e Embedding, String)>, has_flows: bool) -> String {
+fn of_halves<'e>(halves: impl Iterator<Item = (&'e Embedding, &'e str)>, has_flows: bool) -> String {
     // A half needs no correction: the other makes up for it.
     let halves = halves.map(|(half, derivation)| match half {
         Embedding::Uncorrected(bare) => format!("\n{bare}\n{derivation}"),

@@ -2,10 +2,12 @@
 //! They are proven for sums of elements, at all sizes. Tests: `tests/steps/plan.rs`,
 //! `discretise/sums/tests.rs`.
 
+use self::flows::{Flows, is_nystrom};
 use self::forces::{Forces, commuting_forces};
 use self::form::{PreservedForm, coupled_degrees, has_constant_curvature};
 use self::invariants::invariant;
-use self::kinetic::is_diagonal;
+use self::kinetic::{Kinetic, is_diagonal};
+use self::split::Summands;
 use super::branches::{Boundary, Crossing, boundaries};
 use super::sums::{Calculus, Increments, KnownSum, Space, Sum, unweighted, weighted};
 use crate::diagnostics::{Extent, promised};
@@ -53,6 +55,15 @@ pub(crate) struct Facts {
     pub(crate) has_force: bool,
     /// Whether no element reads coordinates and momenta, and no force reads momenta.
     pub(crate) is_separable: bool,
+    /// The kinetic energy, if it is a constant quadratic form.
+    pub(crate) kinetic: Option<Kinetic>,
+    /// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates
+    /// and time, and forces read no more.
+    pub(crate) is_nystrom: bool,
+    /// The flows of `T(p)` and `V(q, t)`, if the step Hamiltonian is their sum.
+    pub(crate) flows: Option<Flows>,
+    /// The parts of `drift = [H_A, H_B]`.
+    pub(crate) summands: Summands,
     /// Whether no element couples two momenta.
     pub(crate) has_diagonal_kinetic_energy: bool,
     /// `Σ_k ∂H_k/∂q · ∂H_k/∂p`, and whether it is constant on phase space. The defect of a scheme is `D`,
@@ -203,18 +214,27 @@ impl Facts {
             all([commuting_hamiltonians(sums, noise), commuting_forces(sums, noise, &forces.noise), jumps]);
         let has_weak_order_two =
             commuting.is_proven() && weak::has_order_two(sums, &hamiltonians, class, &energy.is_conserved);
+        let force_contraction = forces.defect(sums);
+        let invariants = declared.into_iter();
+        let invariants =
+            invariants.map(|(extent, name, value)| invariant(sums, &hamiltonians, extent, name, value));
+        let invariants: Vec<Invariant> = invariants.collect();
+        let has_diagonal_kinetic_energy = acting
+            .iter()
+            .all(|element| element.reads().q || element.is_covector() || is_diagonal(sums.graph, element));
+        let is_separable = acting.iter().all(|element| {
+            let Reads { q, p } = element.reads();
+            !p || !q && !element.is_covector()
+        });
+        let kinetic = Kinetic::of(system);
+        let is_nystrom = is_nystrom(system, is_separable, kinetic);
         Self {
             noise: class,
             has_force: system.force.is_some(),
-            is_separable: acting.iter().all(|element| {
-                let Reads { q, p } = element.reads();
-                !p || !q && !element.is_covector()
-            }),
-            has_diagonal_kinetic_energy: acting.iter().all(|element| {
-                element.reads().q || element.is_covector() || is_diagonal(sums.graph, element)
-            }),
+            is_separable,
+            has_diagonal_kinetic_energy,
             noise_contraction,
-            force_contraction: forces.defect(sums),
+            force_contraction,
             counter_term,
             energy,
             energy_form,
@@ -222,15 +242,16 @@ impl Facts {
             commuting,
             has_weak_order_two,
             has_several_noises,
-            invariants: declared
-                .into_iter()
-                .map(|(extent, name, value)| invariant(sums, &hamiltonians, extent, name, value))
-                .collect(),
+            invariants,
             numbers: hamiltonians.numbers,
             drift: hamiltonians.drift,
             space,
             coupled_degrees: coupled_degrees(system),
             has_constant_curvature: has_constant_curvature(system),
+            kinetic,
+            is_nystrom,
+            flows: Flows::of(system, is_separable, is_nystrom),
+            summands: Summands::of(system),
         }
     }
 

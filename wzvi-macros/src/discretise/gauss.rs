@@ -10,11 +10,14 @@
 //!
 //! Tests: `tests/steps/gauss.rs`.
 
+use std::rc::Rc;
+
 use crate::model::StraightLine;
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// The slopes of the step Hamiltonian in the symbols of the phase space, `h` and `ΔW`.
 pub(crate) struct StepGradient {
+    pub(crate) line: Rc<StraightLine>,
     pub(crate) h: Symbol,
     pub(crate) dw: Vec<Symbol>,
     pub(crate) by_q: Vec<Expr>,
@@ -27,7 +30,7 @@ pub(crate) struct StepGradient {
 impl StepGradient {
     /// `is_nystrom`: whether `F` is a constant quadratic form of the momenta plus a function of coordinates
     /// and time, and forces read no momenta.
-    pub(crate) fn new(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> Self {
+    pub(crate) fn new(graph: &mut Graph, line: Rc<StraightLine>, is_nystrom: bool) -> Self {
         let noises = line.noises();
         let h = graph.new_symbol("h");
         let name = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
@@ -54,8 +57,8 @@ impl StepGradient {
         };
         let by_q: Vec<Expr> = line.phase.q.iter().enumerate().map(|(i, &q)| slope(q, Some(i))).collect();
         let by_p: Vec<Expr> = line.phase.p.iter().map(|&p| slope(p, None)).collect();
-        let stiffness = if is_nystrom { stiffness(graph, line) } else { Vec::new() };
-        Self { h, dw, by_q, by_p, stiffness }
+        let stiffness = if is_nystrom { stiffness(graph, &line) } else { Vec::new() };
+        Self { line, h, dw, by_q, by_p, stiffness }
     }
 }
 

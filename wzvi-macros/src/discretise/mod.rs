@@ -19,7 +19,7 @@ pub(crate) mod structure;
 pub(crate) mod sums;
 
 pub(crate) use self::equations::Equations;
-pub(crate) use self::facts::flows::{Flows, is_nystrom};
+pub(crate) use self::facts::flows::Flows;
 pub(crate) use self::facts::kinetic::Kinetic;
 pub(crate) use self::facts::{
     Facts, Failure, Invariant, NoiseClass, has_constant_forces, is_quadratic, split, summed,
@@ -27,36 +27,29 @@ pub(crate) use self::facts::{
 pub(crate) use self::gauss::StepGradient;
 pub(crate) use self::lagrangian::{DiscreteLagrangian, StepSymbols};
 pub(crate) use self::parts::{PartElements, family_of, parts_of, scale_momenta};
-pub(crate) use self::plan::{Step, Strategy, Unknowns};
+pub(crate) use self::plan::{Plans, SchemePlan, Step, Strategy, Unknowns};
 pub(crate) use self::quadrature::{Part, Quadrature, Stage};
 pub(crate) use self::structure::{Block, Dependencies, Pivot, Solution, Unknown, increment};
 pub(crate) use self::sums::{Calculus, Increments, KnownSum, Space, Sum, Weighted, unweighted, weighted};
 
+use std::rc::Rc;
+
 use self::structure::Structure;
-use crate::embedding::Embedding;
 use crate::model::StraightLine;
 use crate::symbolic::Graph;
 
-/// One scheme of one system, ready to be emitted.
+/// A step in straight lines, ready to be emitted.
 pub(crate) struct Scheme {
-    pub(crate) embedding: Embedding,
+    pub(crate) line: Rc<StraightLine>,
     pub(crate) lagrangian: DiscreteLagrangian,
     pub(crate) equations: Equations,
     pub(crate) structure: Structure,
-    /// Whether the limit is the Stratonovich system.
-    pub(crate) consistent: bool,
 }
 
-/// Discretises `line` by `embedding`: from Hamiltonians to a step in straight-line code.
-pub(crate) fn discretise(
-    graph: &mut Graph,
-    line: &StraightLine,
-    facts: &Facts,
-    embedding: &Embedding,
-) -> Scheme {
-    let lagrangian = DiscreteLagrangian::new(graph, line, &Quadrature::new(facts, embedding));
+/// From the Hamiltonians of `line` to a step in straight-line code.
+pub(crate) fn discretise(graph: &mut Graph, line: Rc<StraightLine>, quadrature: &Quadrature) -> Scheme {
+    let lagrangian = DiscreteLagrangian::new(graph, &line, quadrature);
     let equations = Equations::new(graph, &lagrangian);
     let structure = Structure::new(graph, &lagrangian, &equations);
-    let embedding = embedding.clone();
-    Scheme { lagrangian, equations, structure, consistent: facts.converges(&embedding), embedding }
+    Scheme { line, lagrangian, equations, structure }
 }

@@ -8,6 +8,7 @@ use crate::discretise::{Facts, Part, Quadrature, Sum, Weighted, summed};
 use crate::model::System;
 
 /// One part.
+#[derive(Clone)]
 pub(crate) struct PartElements {
     pub(crate) part: Part,
     /// As written by the user: for values, to keep their accuracy.

@@ -12,11 +12,12 @@
 //! | every `l_m` is 0 | `v`: it is read nowhere else |
 //! | otherwise | `u` and `v` |
 
-use std::rc::Rc;
-
-use crate::discretise::{Facts, Part, Quadrature, Scheme, Stage, discretise, has_constant_forces};
+use crate::discretise::{
+    Facts, Flows, Part, PartElements, Quadrature, Scheme, Stage, StepGradient, discretise,
+    has_constant_forces, parts_of, split,
+};
 use crate::embedding::Embedding;
-use crate::model::{Element, Form, StraightLine, System};
+use crate::model::{Element, Form, System};
 use crate::symbolic::Rational;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -34,43 +35,106 @@ pub(crate) struct Strategy {
     pub(crate) is_linear: bool,
 }
 
-/// A scheme with the form of its steps.
-pub(crate) enum Step {
-    StraightLine(Rc<StraightLine>, Box<Scheme>),
-    InLoops(Embedding, Strategy),
+/// A scheme with one `P`: what its text and its code follow from.
+pub(crate) struct SchemePlan {
+    pub(crate) embedding: Embedding,
+    pub(crate) quadrature: Quadrature,
+    /// Whether its limit is the Stratonovich system.
+    pub(crate) is_consistent: bool,
+    pub(crate) step: Step,
 }
 
-impl Step {
-    /// The step in the form that was chosen.
-    pub(crate) fn of(system: &mut System, facts: &Facts, embedding: &Embedding, form: Form) -> Self {
-        match system.line.clone().filter(|_| form == Form::StraightLines) {
-            Some(line) => {
-                let scheme = discretise(&mut system.graph, &line, facts, embedding);
-                Self::StraightLine(line, Box::new(scheme))
+/// The form of a step, with what is solved in it.
+pub(crate) enum Step {
+    StraightLine(Box<Scheme>),
+    InLoops(Strategy),
+}
+
+/// The plans of a system, made once. The text and the code follow from them.
+pub(crate) struct Plans {
+    pub(crate) listed: Vec<Embedding>,
+    /// Those of the schemes with one `P` that listed schemes need, each once.
+    pub(crate) schemes: Vec<SchemePlan>,
+    /// The parts of the step Hamiltonian that the listed schemes use.
+    pub(crate) parts: Vec<PartElements>,
+    /// The flows that compose `Verlet` and its compositions.
+    pub(crate) flows: Option<Flows>,
+    /// The slopes in straight lines that `Gauss<S>` and flows take, where they take them in this form.
+    pub(crate) gradient: Option<StepGradient>,
+    /// The forms of the parts of the drift, where `Verlet` is listed and the user wrote the drift in two
+    /// parts.
+    pub(crate) forms: Option<[split::SummandForm; 2]>,
+}
+
+impl Plans {
+    /// `form` is the form of the step of a scheme.
+    pub(crate) fn new(
+        system: &mut System,
+        facts: &Facts,
+        listed: Vec<Embedding>,
+        form: impl Fn(&Embedding) -> Form,
+    ) -> Self {
+        let mut schemes: Vec<SchemePlan> = Vec::new();
+        for embedding in listed.iter().flat_map(Embedding::substeps) {
+            if !schemes.iter().any(|known| known.embedding == embedding) {
+                let form = form(&embedding);
+                schemes.push(SchemePlan::new(system, facts, embedding, form));
             }
-            None => Self::InLoops(embedding.clone(), Strategy::of(system, facts, embedding)),
         }
+        let flows = facts.flows.filter(|_| listed.iter().any(Embedding::takes_flows));
+        let is_taken = flows.is_some() || listed.iter().any(|listed| listed.stages().is_some());
+        let line = system.line_of_slopes().filter(|_| is_taken);
+        let gradient = line.map(|line| StepGradient::new(&mut system.graph, line, facts.is_nystrom));
+        let forms = facts.summands.known().filter(|_| listed.contains(&Embedding::Verlet));
+        let parts = parts_of(system, facts);
+        Self { listed, schemes, parts, flows, gradient, forms }
     }
 
-    pub(crate) fn embedding(&self) -> &Embedding {
-        match self {
-            Self::StraightLine(_, scheme) => &scheme.embedding,
-            Self::InLoops(embedding, _) => embedding,
-        }
+    /// The schemes whose steps are emitted: not the halves of `Verlet` where it composes flows.
+    pub(crate) fn stepped(&self) -> Vec<&SchemePlan> {
+        let listed = self.listed.iter().filter(|listed| self.flows.is_none() || !listed.takes_flows());
+        let needed: Vec<Embedding> = listed.flat_map(Embedding::substeps).collect();
+        self.schemes.iter().filter(|scheme| needed.contains(&scheme.embedding)).collect()
+    }
+
+    /// Whether a step needs second derivatives: one that is solved in loops, or one whose momentum between
+    /// its ends is solved for.
+    pub(crate) fn needs_hessian(&self) -> bool {
+        self.schemes.iter().any(|SchemePlan { quadrature, step, .. }| {
+            let is_solved_in_loops =
+                matches!(step, Step::InLoops(strategy) if strategy.unknowns != Unknowns::None);
+            is_solved_in_loops || !quadrature.gives_momentum()
+        })
+    }
+
+    /// The listed schemes whose stages are solved together, with the number of their stages.
+    pub(crate) fn staged(&self) -> impl Iterator<Item = (&Embedding, u32)> {
+        self.listed.iter().filter_map(|listed| Some((listed, listed.stages()?)))
+    }
+}
+
+impl SchemePlan {
+    fn new(system: &mut System, facts: &Facts, embedding: Embedding, form: Form) -> Self {
+        let quadrature = Quadrature::new(facts, &embedding);
+        let line = system.line.clone().filter(|_| form == Form::StraightLines);
+        let step = match line {
+            Some(line) => Step::StraightLine(Box::new(discretise(&mut system.graph, line, &quadrature))),
+            None => Step::InLoops(Strategy::of(system, facts, &quadrature)),
+        };
+        Self { is_consistent: facts.converges(&embedding), embedding, quadrature, step }
     }
 }
 
 impl Strategy {
-    fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
-        let unknowns = unknowns(system, facts, embedding);
-        let corrects = || Quadrature::new(facts, embedding).weights_of(Part::CounterTerm).next().is_some();
+    fn of(system: &mut System, facts: &Facts, quadrature: &Quadrature) -> Self {
+        let unknowns = unknowns(system, facts, quadrature);
+        let corrects = || quadrature.weights_of(Part::CounterTerm).next().is_some();
         let is_linear = unknowns != Unknowns::None && !corrects() && facts.has_constant_curvature;
         Self { unknowns, is_linear }
     }
 }
 
-fn unknowns(model: &mut System, facts: &Facts, embedding: &Embedding) -> Unknowns {
-    let Quadrature { stages } = Quadrature::new(facts, embedding);
+fn unknowns(model: &mut System, facts: &Facts, Quadrature { stages }: &Quadrature) -> Unknowns {
     let System { graph, drift, noise, force, .. } = model;
     let mut varies =
         |elements: &[Element]| !elements.iter().all(|element| has_constant_forces(graph, element));

@@ -6,27 +6,27 @@ use syn::ItemStruct;
 
 use super::discretized;
 use crate::describe::Texts;
-use crate::discretise::Flows;
+use crate::discretise::{Flows, Plans};
 use crate::embedding::Embedding;
 
 /// The structure that steps of `Verlet` exploit.
-pub(super) fn structure(texts: &Texts) -> TokenStream {
-    let structure = match texts.flows {
+pub(super) fn structure(plans: &Plans) -> TokenStream {
+    let structure = match plans.flows {
         None => quote!(__wzvi::compose::General),
         Some(Flows { is_nystrom: false, .. }) => quote!(__wzvi::compose::Separable),
         Some(Flows { is_nystrom: true, .. }) => quote!(__wzvi::compose::Nystrom),
     };
     // Compositions alternate the parts of the drift, or compose steps of the whole.
-    match texts.parts {
+    match plans.forms {
         Some(_) => quote!(__wzvi::compose::Parted<#structure>),
         None => structure,
     }
 }
 
 /// The schemes that compose others.
-pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
+pub(super) fn emit(item: &ItemStruct, plans: &Plans, texts: &Texts) -> TokenStream {
     let mut generated = TokenStream::new();
-    for (embedding, text) in &texts.listed {
+    for embedding in &plans.listed {
         let steps = match (embedding, embedding.substeps().as_slice()) {
             (thermostat, _) if thermostat.is_thermostat() => self::thermostat(thermostat),
             (_, []) => continue,
@@ -43,7 +43,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
                 quote!(__wzvi::compose::WholeOf<Self, #whole>)
             }
         };
-        generated.extend(discretized(item, embedding, &steps, text, None));
+        generated.extend(discretized(item, embedding, &steps, texts.of(embedding), None));
     }
     generated
 }

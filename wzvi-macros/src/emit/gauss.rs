@@ -12,21 +12,20 @@ use super::system::{
 use super::terms;
 use super::{discretized, implementation};
 use crate::describe::Texts;
-use crate::discretise::{Facts, Flows, StepGradient, is_nystrom};
+use crate::discretise::{Facts, Plans, StepGradient};
 use crate::model::{Element, StraightLine, System};
 use crate::symbolic::{Expr, Graph};
 
 /// Every listed `Gauss<S>`, and the flows.
-pub(super) fn emit(system: &mut System, facts: &Facts, texts: &Texts) -> TokenStream {
-    if texts.staged().next().is_none() && texts.flows.is_none() {
+pub(super) fn emit(system: &mut System, facts: &Facts, plans: &Plans, texts: &Texts) -> TokenStream {
+    if plans.staged().next().is_none() && plans.flows.is_none() {
         return TokenStream::new();
     }
-    let is_nystrom = is_nystrom(system, facts);
-    let mut generated = field(system, is_nystrom, texts.flows);
-    for (embedding, stages, text) in texts.staged() {
+    let mut generated = field(system, facts.is_nystrom, plans);
+    for (embedding, stages) in plans.staged() {
         let stages = Literal::u32_unsuffixed(stages);
         let gauss = quote!(__wzvi::embedding::Gauss<#stages>);
-        generated.extend(discretized(&system.item, embedding, &gauss, text, None));
+        generated.extend(discretized(&system.item, embedding, &gauss, texts.of(embedding), None));
     }
     generated
 }
@@ -40,10 +39,10 @@ pub(crate) fn length_type(number: Option<usize>) -> TokenStream {
 }
 
 /// `impl Field`
-fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenStream {
-    let line = system.line_of_slopes();
-    let line = line.as_deref();
-    let slopes = line.map(|line| gradient(&mut system.graph, line, is_nystrom));
+fn field(system: &mut System, is_nystrom: bool, plans: &Plans) -> TokenStream {
+    let Plans { flows, gradient, .. } = plans;
+    let slopes = gradient.as_ref().map(|gradient| self::gradient(&mut system.graph, gradient));
+    let line = gradient.as_ref().map(|gradient| &*gradient.line);
     let reads_time = |element: &Element| system.graph.depends_on(element.value, &[system.t]);
     let in_lanes = line.is_some() || !system.acting().any(reads_time);
     let noises = length_type(line.map(StraightLine::noises));
@@ -84,8 +83,8 @@ fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenSt
 
 /// For a system in straight-line code: its parameters, the matrix of the linear force, and the slopes of
 /// `F = h H_0 + Σ_k ΔW_k H_k`.
-fn gradient(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read>, TokenStream) {
-    let slopes = StepGradient::new(graph, line, is_nystrom);
+fn gradient(graph: &mut Graph, slopes: &StepGradient) -> (Vec<Read>, TokenStream) {
+    let line = &*slopes.line;
     let phase = &line.phase;
     let mut names = Namer::default();
     let [q, p] = state_names(&mut names, graph, phase);
@@ -103,7 +102,7 @@ fn gradient(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Re
     let parameters: Vec<_> = reads.iter().map(|read| &read.name).collect();
     let open = (!parameters.is_empty()).then(|| quote!(let [#(#parameters),*] = *__parameters;));
     let (by_q, by_p) = values.split_at(phase.q.len());
-    let (stiffness, bool) = (stiffness(graph, line, &slopes), quote!(__wzvi::bool));
+    let (stiffness, bool) = (stiffness(graph, slopes), quote!(__wzvi::bool));
     let functions = quote! {
             #stiffness
 
@@ -132,7 +131,8 @@ fn gradient(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Re
 }
 
 /// The matrix of the linear part of the force, where there is one.
-fn stiffness(graph: &mut Graph, line: &StraightLine, slopes: &StepGradient) -> TokenStream {
+fn stiffness(graph: &mut Graph, slopes: &StepGradient) -> TokenStream {
+    let line = &*slopes.line;
     if slopes.stiffness.is_empty() {
         return TokenStream::new();
     }

@@ -16,7 +16,7 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
 use crate::describe::Texts;
-use crate::discretise::{Facts, Step};
+use crate::discretise::{Facts, Plans, Step};
 use crate::embedding::Embedding;
 use crate::model::System;
 
@@ -35,21 +35,21 @@ pub(crate) struct Expansion {
 
 /// The struct as written, with documentation; and, in a scope of its own, the implementations: terms,
 /// elements and steps.
-pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> Expansion {
-    let mut generated = terms::terms(system, facts, steps, texts);
-    let is_taken = texts.stepped();
-    let is_alone = is_taken.len() == 1;
-    let steps = steps.iter().zip(&texts.of_parts);
-    for (step, text) in steps.filter(|(step, _)| is_taken.contains(step.embedding())) {
-        generated.extend(match step {
-            Step::StraightLine(line, scheme) => {
-                step::emit(&system.item, &mut system.graph, line, facts, scheme, text, is_alone)
+pub(crate) fn emit(system: &mut System, facts: &Facts, plans: &Plans, texts: &Texts) -> Expansion {
+    let mut generated = terms::elements(system, facts, plans);
+    let stepped = plans.stepped();
+    let is_alone = stepped.len() == 1;
+    for plan in stepped {
+        let text = texts.of(&plan.embedding);
+        generated.extend(match &plan.step {
+            Step::StraightLine(scheme) => {
+                step::emit(&system.item, &mut system.graph, facts, plan, scheme, text, is_alone)
             }
-            Step::InLoops(embedding, strategy) => terms::step(system, facts, embedding, *strategy, text),
+            Step::InLoops(strategy) => terms::step(system, plan, *strategy, text),
         });
     }
-    generated.extend(gauss::emit(system, facts, texts));
-    generated.extend(compose::emit(&system.item, texts));
+    generated.extend(gauss::emit(system, facts, plans, texts));
+    generated.extend(compose::emit(&system.item, plans, texts));
     let conservative = || implementation(&system.item, &quote!(__wzvi::Conservative), &TokenStream::new());
     generated.extend(facts.energy.is_conservative.then(conservative));
     let read = terms::user_tokens(system);
@@ -64,7 +64,7 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
         };
         #type_checks
     };
-    Expansion { doc: documentation(texts), item: system.item.clone(), implementations }
+    Expansion { doc: documentation(plans, texts), item: system.item.clone(), implementations }
 }
 
 /// The user's tokens in the implementations: the struct with its generics, and the tokens in `read`. Types of
@@ -79,8 +79,8 @@ fn with_header<'t>(item: &syn::ItemStruct, read: impl Iterator<Item = &'t TokenS
 }
 
 /// The equations as rustdoc of the struct.
-fn documentation(texts: &Texts) -> TokenStream {
-    let blocks = texts.listed.iter().map(|(_, text)| format!("```text\n{text}\n```\n"));
+fn documentation(plans: &Plans, texts: &Texts) -> TokenStream {
+    let blocks = plans.listed.iter().map(|listed| format!("```text\n{}\n```\n", texts.of(listed)));
     let text = format!("\n# Discrete equations\n\n{}", blocks.collect::<Vec<_>>().join("\n"));
     quote!(#[doc = #text])
 }

@@ -5,7 +5,7 @@ use quote::{ToTokens, format_ident, quote};
 
 use super::count;
 use super::overrides::{self, holds};
-use crate::discretise::{Facts, NoiseClass, Scheme, Solution};
+use crate::discretise::{Facts, NoiseClass, Scheme, SchemePlan, Solution};
 use crate::input::{Length, Shape};
 use crate::model::System;
 use crate::symbolic::Knowledge;
@@ -51,7 +51,7 @@ pub(crate) fn degrees(system: &System) -> Option<TokenStream> {
 }
 
 /// The plan of a step that is solved block by block.
-pub(crate) fn plan(scheme: &Scheme) -> TokenStream {
+pub(crate) fn plan(plan: &SchemePlan, scheme: &Scheme) -> TokenStream {
     let hardest = scheme.structure.blocks.iter().map(|block| match block.solution {
         Solution::Assigned | Solution::Isolated(_) => 0,
         Solution::Linear { .. } => 1,
@@ -62,13 +62,17 @@ pub(crate) fn plan(scheme: &Scheme) -> TokenStream {
         Some(1) => quote!(Linear),
         _ => quote!(Explicit),
     };
-    let (unknowns, consistent) = (count(scheme.structure.unknowns()), scheme.consistent);
-    let order = Literal::u32_unsuffixed(scheme.embedding.order());
+    let SchemePlan { embedding, is_consistent, .. } = plan;
+    let unknowns = count(scheme.structure.unknowns());
+    let order = Literal::u32_unsuffixed(embedding.order());
     let facts = quote!(<Self as __wzvi::elements::Elements>::FACTS);
-    let plan = quote!(#facts.plan(__wzvi::Solver::#solver, #unknowns, #order, #consistent));
+    let constant = quote!(#facts.plan(__wzvi::Solver::#solver, #unknowns, #order, #is_consistent));
     // The drift alone decides the order, and noise beside the middle of the step costs weak order two.
-    let [drift, noise] = scheme.embedding.means();
-    if drift == noise { plan } else { quote!(__wzvi::Plan { has_weak_order_two: false, ..#plan }) }
+    let [drift, noise] = embedding.means();
+    match drift == noise {
+        true => constant,
+        false => quote!(__wzvi::Plan { has_weak_order_two: false, ..#constant }),
+    }
 }
 
 /// `None` for proven statements.

@@ -9,8 +9,7 @@ use super::plan::plan;
 use super::system::{count, state_names};
 use super::terms;
 use super::{discretized, implementation};
-use crate::discretise::{Facts, NoiseClass, Scheme, Strategy, Unknowns};
-use crate::model::StraightLine;
+use crate::discretise::{Facts, NoiseClass, Scheme, SchemePlan, Strategy, Unknowns};
 use crate::symbolic::Graph;
 
 mod block_inputs;
@@ -34,12 +33,13 @@ pub(crate) fn increment_names(names: &mut Namer, noises: usize) -> Vec<Ident> {
 pub(crate) fn emit(
     item: &syn::ItemStruct,
     graph: &mut Graph,
-    line: &StraightLine,
     facts: &Facts,
+    plan: &SchemePlan,
     scheme: &Scheme,
     text: &str,
     is_alone: bool,
 ) -> TokenStream {
+    let line = &*scheme.line;
     let step_program = StepProgram::new(graph, &line.parameters, scheme, facts.noise == NoiseClass::None);
     let noises = scheme.lagrangian.symbols.dw.len();
     let mut names = Namer::default();
@@ -56,11 +56,11 @@ pub(crate) fn emit(
     };
     // For a step in loops, at most the momentum between two ends.
     let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
-    let quadrature = terms::quadrature(facts, &scheme.embedding, strategy, false);
-    let plan = plan(scheme);
-    let embedding = scheme.embedding.path(&quote!(__wzvi));
+    let quadrature = terms::quadrature(&plan.quadrature, strategy, false);
+    let constant = self::plan(plan, scheme);
+    let embedding = plan.embedding.path(&quote!(__wzvi));
     let body = quote! {
-            const PLAN: __wzvi::Plan = #plan;
+            const PLAN: __wzvi::Plan = #constant;
             const QUADRATURE: __wzvi::elements::Quadrature = #quadrature;
             type Prepared = #prepared_type;
             type Memory<__S: __wzvi::Scalar> = #memory;
@@ -76,6 +76,6 @@ pub(crate) fn emit(
         false => quote!(const _: () = { #step };),
     };
     let straight = quote!(__wzvi::Straight<#embedding, #d, #n>);
-    let listed = discretized(item, &scheme.embedding, &straight, text, None);
+    let listed = discretized(item, &plan.embedding, &straight, text, None);
     quote!(#step #listed)
 }

@@ -3,14 +3,12 @@
 use std::collections::HashMap;
 
 use super::{DEGREES, for_each};
-use crate::discretise::{Facts, StepGradient, is_nystrom};
-use crate::model::{Phase, System};
+use crate::discretise::{Facts, Plans, StepGradient};
+use crate::model::System;
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// The text of `Gauss<stages>`; with a line for each equation if the system is unrolled.
-pub(crate) fn derivation(system: &mut System, facts: &Facts, stages: u32) -> String {
-    let line = system.line_of_slopes();
-    let line = line.as_deref();
+pub(crate) fn derivation(system: &mut System, facts: &Facts, plans: &Plans, stages: u32) -> String {
     let numbers = system.noise_numbers();
     let terms = numbers.iter().map(|number| format!(" + ΔW{number} H{number}"));
     let mut text = format!(
@@ -25,11 +23,9 @@ Discrete Euler-Lagrange equations
 ",
         terms.collect::<String>()
     );
-    let is_nystrom = is_nystrom(system, facts);
     let graph = &mut system.graph;
-    let slopes = line.map(|line| StepGradient::new(graph, line, is_nystrom));
-    match line.zip(slopes.as_ref()) {
-        Some((line, slopes)) => equations(graph, &line.phase, slopes, &mut text),
+    match &plans.gradient {
+        Some(gradient) => equations(graph, gradient, &mut text),
         None => text.push_str(
             "  ∂L_d/∂p_j = 0:  V_j = ∂F/∂p (q_j, p_j, t_j)
   ∂L_d/∂V_j = 0:  p_j = p_i - Σ_k a_jk ∂F/∂q (q_k, p_k, t_k)
@@ -37,19 +33,20 @@ Discrete Euler-Lagrange equations
 ",
         ),
     }
-    let unknowns = if is_nystrom { "the coordinates of all stages" } else { "all stages" };
+    let unknowns = if facts.is_nystrom { "the coordinates of all stages" } else { "all stages" };
     say!(
         text,
         "\nStep\n  solve for {unknowns}: by sweeps while they contract, else Newton's method on all of them at once"
     );
-    if let Some((line, slopes)) = line.zip(slopes).filter(|(_, slopes)| !slopes.stiffness.is_empty()) {
+    if let Some(StepGradient { line, stiffness, .. }) = &plans.gradient
+        && !stiffness.is_empty()
+    {
         say!(
             text,
             "  where h is large for the linear part K of the force, Q ← Q + (1 + h² A² M⁻¹K)⁻¹ (φ(Q) - Q), made once"
         );
-        let entries = &slopes.stiffness;
-        for_each(entries.len(), "entries", &mut text, |entry, text| {
-            let (row, column, value) = entries[entry];
+        for_each(stiffness.len(), "entries", &mut text, |entry, text| {
+            let (row, column, value) = stiffness[entry];
             let [row, column] = [row, column].map(|d| graph.symbol_name(line.phase.q[d]).to_owned());
             say!(text, "    K_{row}{column} = {}", graph.display(value));
         });
@@ -58,7 +55,9 @@ Discrete Euler-Lagrange equations
 }
 
 /// `V` and `K`, the slopes of `F` at a stage, by component.
-fn equations(graph: &mut Graph, phase: &Phase, slopes: &StepGradient, text: &mut String) {
+fn equations(graph: &mut Graph, gradient: &StepGradient, text: &mut String) {
+    let StepGradient { line, by_q, by_p, .. } = gradient;
+    let phase = &line.phase;
     let mut placement = HashMap::new();
     for &symbol in phase.q.iter().chain(&phase.p).chain([&phase.t]) {
         let at_stage = graph.new_symbol(format!("{}_j", graph.symbol_name(symbol)));
@@ -69,11 +68,11 @@ fn equations(graph: &mut Graph, phase: &Phase, slopes: &StepGradient, text: &mut
         (graph.symbol_name(symbol).to_owned(), graph.display(slope))
     };
     for_each(phase.q.len(), DEGREES, text, |i, text| {
-        let (name, slope) = equation(phase.q[i], slopes.by_p[i]);
+        let (name, slope) = equation(phase.q[i], by_p[i]);
         say!(text, "  ∂L_d/∂p_j = 0:  V_{name} = {slope},  {name}_j = {name}_i + Σ_k a_jk V_{name},k");
     });
     for_each(phase.p.len(), DEGREES, text, |i, text| {
-        let (name, slope) = equation(phase.p[i], slopes.by_q[i]);
+        let (name, slope) = equation(phase.p[i], by_q[i]);
         say!(text, "  ∂L_d/∂V_j = 0:  {name}_j = {name}_i - Σ_k a_jk K_{name},k,  K_{name} = {slope}");
     });
     for_each(phase.p.len(), DEGREES, text, |i, text| {

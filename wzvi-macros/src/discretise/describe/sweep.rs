@@ -1,9 +1,8 @@
 //! The equations of all sites at once: slopes of Hamiltonians and forces, each a sum over placements.
 
 use crate::discretise::{
-    Facts, Part, PartElements, Quadrature, Stage, Strategy, Sum, Unknowns, Weighted, parts_of,
+    Facts, Part, PartElements, Plans, SchemePlan, Stage, Strategy, Sum, Unknowns, Weighted,
 };
-use crate::embedding::Embedding;
 use crate::model::{Half, System};
 use crate::symbolic::{Expr, Graph, Rational, Symbol, signed};
 
@@ -49,21 +48,21 @@ impl Named {
 pub(crate) fn derivation(
     system: &mut System,
     facts: &Facts,
-    embedding: &Embedding,
+    plans: &Plans,
+    SchemePlan { quadrature, .. }: &SchemePlan,
     Strategy { unknowns, is_linear }: Strategy,
 ) -> String {
     let mut text = String::new();
-    let Quadrature { stages } = Quadrature::new(facts, embedding);
     let mut parts = Vec::new();
-    for PartElements { part, elements, .. } in parts_of(system, facts) {
-        let is_taken = stages.iter().any(|stage| stage.parts.iter().any(|(taken, _)| *taken == part));
-        let taken = elements.into_iter().filter(|_| is_taken);
-        let (forces, functions): (Sum, Sum) = taken.partition(|weighted| weighted.element.is_covector());
+    let is_taken = |part: &&PartElements| quadrature.weights_of(part.part).next().is_some();
+    for PartElements { part, elements, .. } in plans.parts.iter().filter(is_taken) {
+        let elements = elements.iter().cloned();
+        let (forces, functions): (Sum, Sum) = elements.partition(|weighted| weighted.element.is_covector());
         let named =
-            [(false, functions), (true, forces)].map(|(is_force, sum)| Named::of(part, is_force, sum));
+            [(false, functions), (true, forces)].map(|(is_force, sum)| Named::of(*part, is_force, sum));
         parts.extend(named.into_iter().filter(|named| !named.sum.is_empty()));
     }
-    equations(system, &stages, &parts, &mut text);
+    equations(system, &quadrature.stages, &parts, &mut text);
     // In a copy: the order of products in the code is that in which their nodes were made.
     let graph = &mut system.graph.clone();
     for half in [Half::Momenta, Half::Coordinates, Half::Displacements] {

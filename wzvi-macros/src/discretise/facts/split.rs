@@ -26,15 +26,35 @@ pub(crate) enum SummandForm {
     Quadratic,
 }
 
-/// The forms of both parts; `None` if the drift has no parts, or one whose flow is not known.
-pub(crate) fn forms(system: &mut System) -> Option<[SummandForm; 2]> {
-    let forms = (0..system.summands.len()).map(|part| form(system, part).ok()).collect::<Option<Vec<_>>>()?;
-    assign_forces(system, &forms).ok()?;
-    forms.try_into().ok()
+/// The parts of a drift, none if it is declared as a whole.
+pub(crate) struct Summands {
+    /// The form of each part, or the reason why its flow is not known.
+    pub(crate) forms: Vec<Result<SummandForm, &'static str>>,
+    /// The spans of forces or friction that can join none of the parts, and the reason. `Ok` if a form is not
+    /// known.
+    pub(crate) assignment: Result<(), (Extent, &'static str)>,
+}
+
+impl Summands {
+    pub(super) fn of(system: &mut System) -> Self {
+        let forms: Vec<_> = (0..system.summands.len()).map(|part| form(system, part)).collect();
+        let known: Result<Vec<SummandForm>, _> = forms.iter().copied().collect();
+        let assignment = known.map_or(Ok(()), |known| assign_forces(system, &known));
+        Self { forms, assignment }
+    }
+
+    /// The forms of both parts; `None` if the drift has no parts, or one whose flow is not known.
+    pub(crate) fn known(&self) -> Option<[SummandForm; 2]> {
+        self.assignment.ok()?;
+        match self.forms.as_slice() {
+            &[Ok(first), Ok(second)] => Some([first, second]),
+            _ => None,
+        }
+    }
 }
 
 /// Whether forces and friction can join parts of these forms; if not, their spans and the reason.
-pub(crate) fn assign_forces(system: &System, forms: &[SummandForm]) -> Result<(), (Extent, &'static str)> {
+fn assign_forces(system: &System, forms: &[SummandForm]) -> Result<(), (Extent, &'static str)> {
     let System { graph, summands, t, force, friction, conformal, .. } = system;
     if forms.is_empty() {
         return Ok(());
@@ -65,7 +85,7 @@ pub(crate) fn assign_forces(system: &System, forms: &[SummandForm]) -> Result<()
 }
 
 /// The form of a part, or the reason why its flow is not known.
-pub(crate) fn form(system: &mut System, part: usize) -> Result<SummandForm, &'static str> {
+fn form(system: &mut System, part: usize) -> Result<SummandForm, &'static str> {
     let System { graph, summands, t, size, noise, conformal, .. } = system;
     let (term, others) = (&summands[part], &summands[..part]);
     if part > 0 && !noise.is_empty() {

@@ -3,23 +3,17 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::discretise::{Facts, Quadrature, Stage, Strategy, Unknowns};
-use crate::embedding::Embedding;
+use crate::discretise::{Quadrature, SchemePlan, Stage, Strategy, Unknowns};
 use crate::emit::overrides::{self, holds};
 use crate::emit::{count, discretized};
 use crate::model::System;
 
 /// `impl Discretized<E>` of steps in loops.
-pub(crate) fn emit(
-    model: &System,
-    facts: &Facts,
-    embedding: &Embedding,
-    strategy: Strategy,
-    text: &str,
-) -> TokenStream {
+pub(crate) fn emit(model: &System, plan: &SchemePlan, strategy: Strategy, text: &str) -> TokenStream {
+    let SchemePlan { embedding, quadrature, is_consistent, .. } = plan;
     let is_explicit = strategy.unknowns == Unknowns::None;
-    let quadrature = quadrature(facts, embedding, strategy, model.noise.is_empty() && !is_explicit);
-    let (order, is_consistent) = (Literal::u32_unsuffixed(embedding.order()), facts.converges(embedding));
+    let quadrature = self::quadrature(quadrature, strategy, model.noise.is_empty() && !is_explicit);
+    let order = Literal::u32_unsuffixed(embedding.order());
     let (path, in_loops) = (embedding.path(&quote!(__wzvi)), quote!(__wzvi::elements::InLoops));
     let in_loops = quote! {
         const IN_LOOPS: __wzvi::Option<#in_loops> = __wzvi::Some(#in_loops {
@@ -34,14 +28,8 @@ pub(crate) fn emit(
 
 /// The parameters of the scheme for the run time, and whether past steps predict the
 /// iteration's start.
-pub(crate) fn quadrature(
-    facts: &Facts,
-    embedding: &Embedding,
-    strategy: Strategy,
-    remembers: bool,
-) -> TokenStream {
+pub(crate) fn quadrature(quadrature: &Quadrature, strategy: Strategy, remembers: bool) -> TokenStream {
     let Strategy { unknowns, is_linear } = strategy;
-    let quadrature = Quadrature::new(facts, embedding);
     let stages = quadrature.stages.iter().map(stage);
     let update = match quadrature.momentum_update() {
         Some(factor) => {

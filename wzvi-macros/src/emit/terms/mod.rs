@@ -16,9 +16,8 @@ use quote::{ToTokens, quote};
 
 pub(crate) use self::in_loops::{emit as step, in_tiles, quadrature};
 use self::numbered::PartNumbers;
-use crate::describe::Texts;
 use crate::diagnostics::promised;
-use crate::discretise::{Facts, PartElements, Quadrature, Step, Unknowns, parts_of, scale_momenta};
+use crate::discretise::{Facts, PartElements, Plans, scale_momenta};
 use crate::emit::compose::structure;
 use crate::emit::gauss::length_type;
 use crate::emit::overrides::{self, holds};
@@ -30,16 +29,6 @@ use crate::model::{Form, Parameter, System};
 use crate::tokens::mentions;
 
 use self::weighted::ElementEmitter;
-
-/// Values and slopes of all terms, and the implementations that follow from them.
-pub(crate) fn terms(model: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> TokenStream {
-    // Needed for solutions with second derivatives: the step in loops, or its momentum between its ends.
-    let has_curvature = steps.iter().any(|step| {
-        matches!(step, Step::InLoops(_, strategy) if strategy.unknowns != Unknowns::None)
-            || !Quadrature::new(facts, step.embedding()).gives_momentum()
-    });
-    elements(model, facts, has_curvature, texts)
-}
 
 /// The expressions that read the struct and the constants around it.
 pub(crate) fn user_tokens(model: &System) -> Vec<TokenStream> {
@@ -140,10 +129,10 @@ impl Derivative {
     }
 }
 
-/// `impl Elements`
-fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Texts) -> TokenStream {
+/// `impl Elements`: values and slopes of all terms, and `impl Hamiltonian`.
+pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> TokenStream {
     let declared = hamiltonian::emit(model);
-    let mut parts = parts_of(model, facts);
+    let mut parts = plans.parts.clone();
     if model.conformal.is_some() {
         scale_momenta(model, &mut parts);
     }
@@ -153,7 +142,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
         [Derivative::Value, Derivative::Gradient].map(|derivative| arms(model, &parts, derivative));
     let (value, slopes) = (quote!(#value #part_values), quote!(#slopes #part_slopes));
     let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
-    let curvature = hessian_method(model, &parts, has_curvature);
+    let curvature = hessian_method(model, &parts, plans.needs_hessian());
     let first_integral = count(PartNumbers::of(model).integrals);
     let has_tiles = tiles::allows_tiles(model, &parts);
     // Read where a window takes a whole step at once.
@@ -163,8 +152,8 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let coupled = facts.coupled_degrees.filter(|_| has_loops).map(count);
     let of_elements = overrides::FactOverrides {
         kind: hamiltonian::kind(model),
-        bath: numbered::bath(model),
-        parts: numbered::forms(model, texts),
+        bath: numbered::bath(model, facts),
+        parts: numbered::forms(model, plans),
         integrals: (!model.invariants.is_empty()).then(|| quote!(#first_integral)),
         has_tiles,
         has_pairs: holds(tiles::has_pairs(model, &parts)),
@@ -177,7 +166,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let known = crate::emit::plan::facts(model, facts, of_elements);
     let (places, [exact, usual]) = (places::emit(model), tiles::numbers(model, &parts));
     let shape = length_type(model.line.as_ref().map(|line| line.phase.q.len()));
-    let structure = structure(texts);
+    let structure = structure(plans);
     let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
     let runs = has_loops.then(|| quote!(use #elements::AdjacentSums as _;));
     let body = quote! {

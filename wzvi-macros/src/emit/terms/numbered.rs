@@ -6,8 +6,7 @@ use quote::{format_ident, quote};
 
 use super::weighted::ElementEmitter;
 use super::{Derivative, arm};
-use crate::describe::Texts;
-use crate::discretise::{Kinetic, Part, Sum, Weighted, unweighted};
+use crate::discretise::{Facts, Kinetic, Part, Plans, Sum, Weighted, unweighted};
 use crate::emit::count;
 use crate::emit::overrides::{self, holds};
 use crate::model::{Friction, System, Temperature, Term};
@@ -81,8 +80,8 @@ pub(super) fn arms(model: &mut System, derivative: Derivative) -> TokenStream {
 }
 
 /// The number and the forms of the parts, if the drift is declared in two.
-pub(super) fn forms(model: &System, texts: &Texts) -> Option<TokenStream> {
-    let forms = texts.parts?.map(|form| {
+pub(super) fn forms(model: &System, plans: &Plans) -> Option<TokenStream> {
+    let forms = plans.forms?.map(|form| {
         let form = format_ident!("{}", format!("{form:?}"));
         quote!(__wzvi::compose::Form::#form)
     });
@@ -91,9 +90,10 @@ pub(super) fn forms(model: &System, texts: &Texts) -> Option<TokenStream> {
 }
 
 /// Friction and temperature as parts with numbers of their own, if there is friction for a thermostat.
-pub(super) fn bath(model: &mut System) -> Option<TokenStream> {
-    let kinetic = Kinetic::of(model);
-    let (Some(friction), Some(Kinetic { is_diagonal })) = (&model.friction, kinetic) else { return None };
+pub(super) fn bath(model: &System, facts: &Facts) -> Option<TokenStream> {
+    let (Some(friction), Some(Kinetic { is_diagonal })) = (&model.friction, facts.kinetic) else {
+        return None;
+    };
     let numbers = PartNumbers::of(model);
     let (number, bath) = (count(numbers.friction), quote!(__wzvi::bath::Friction));
     let temperature = match &model.temperature {
