@@ -227,8 +227,8 @@ impl<S: Scalar> BathMemory<S> {
 
     /// Takes the heats of degrees of freedom from the tiles of a step.
     pub(super) fn collect_heats(&mut self) {
-        for (heat, of_windows) in self.heats.iter_mut().zip(&self.by_degree) {
-            *heat = S::from_f64(f64::from_bits(of_windows.load(Ordering::Relaxed)));
+        for (heat, of_tiles) in self.heats.iter_mut().zip(&self.by_degree) {
+            *heat = S::from_f64(f64::from_bits(of_tiles.load(Ordering::Relaxed)));
         }
     }
 

@@ -70,7 +70,7 @@ fn advance<H: Elements + Sync, S: Scalar, C: StateSum<S>>(
         let lost = carry.lists(q.len()).map(|lost| S::as_f64s(lost).unwrap_or_default());
         let step = LoopStep { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
         let taken =
-            if C::CARRIES { step.advance_compensated(lost, plan) } else { step.advance_windows(plan) };
+            if C::CARRIES { step.advance_compensated(lost, plan) } else { step.advance_in_tiles(plan) };
         taken?.store(to_q, to_p, carry);
         return Ok(Effort::fast(0));
     }

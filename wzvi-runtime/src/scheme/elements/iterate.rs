@@ -103,8 +103,8 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: StateSum<S>, const CAREFUL:
         // One correction starts from zero.
         let remembers = scheme.remembers && !step.takes_one_correction(&scratch);
         let solved = step.solve(&mut scratch)?;
-        let is_recorded = if !C::CARRIES && step.is_in_windows(&mut scratch) {
-            scratch.store_windows(scheme, remembers, q, p)?;
+        let is_recorded = if !C::CARRIES && step.is_in_tiles(&mut scratch) {
+            scratch.store_in_tiles(scheme, remembers, q, p)?;
             true
         } else {
             step.finish(&mut scratch.lists);
@@ -201,7 +201,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         }
         if is_apart {
             // Lists may have been exchanged in the lent scratch only.
-            scratch.leave_windows();
+            scratch.leave_tiles();
             self.refresh(&mut scratch.lists);
         }
         solved
@@ -335,7 +335,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         let (mut is_fresh, mut is_kept) = (false, false);
         let (mut stretch, mut change) = (1.0, None);
         let relative = if !const { is_in_lanes::<S>() } && iteration.is_newton {
-            scratch.leave_windows();
+            scratch.leave_tiles();
             self.residual_at(&mut scratch.lists);
             let is_krylov = match &scratch.solver.linear {
                 Some(linear) => matches!(linear, LinearSolver::Krylov(_)),

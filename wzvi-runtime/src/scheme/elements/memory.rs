@@ -463,10 +463,10 @@ impl<S: Scalar> LoopMemory<S> {
     }
 
     fn allocate<H: Elements>(&mut self, system: &H, scheme: &Quadrature, degrees: usize) {
-        let has_room_in_windows =
+        let has_room_in_tiles =
             H::FACTS.has_tiles && S::as_f64s(&[]).is_some() && takes_tiles(scheme, degrees);
         self.work =
-            if has_room_in_windows { StepScratch::default() } else { StepScratch::new(scheme, degrees) };
+            if has_room_in_tiles { StepScratch::default() } else { StepScratch::new(scheme, degrees) };
         self.solver.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
         (self.solver.rounding, self.plan, self.solver.sweeps) = (None, self.plan.alike(), None);
         let unknowns = scheme.unknowns.count(degrees);

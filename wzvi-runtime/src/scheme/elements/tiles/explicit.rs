@@ -37,7 +37,7 @@ impl<H: Elements + Sync> LoopStep<'_, H, f64> {
     /// # Errors
     /// [`StepFailure::NonFinite`] if the new state is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(in crate::scheme::elements) fn advance_windows<'p>(
+    pub(in crate::scheme::elements) fn advance_in_tiles<'p>(
         self,
         plan: &'p mut TilePlan,
     ) -> Result<NewState<'p>, StepFailure> {
@@ -48,7 +48,7 @@ impl<H: Elements + Sync> LoopStep<'_, H, f64> {
     /// velocities are those of the new momenta.
     ///
     /// # Errors
-    /// The errors of [`LoopStep::advance_windows`].
+    /// The errors of [`LoopStep::advance_in_tiles`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn advance_compensated<'p>(
         self,

@@ -199,16 +199,16 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
 impl<H: Elements + Sync> LoopStep<'_, H, f64> {
     /// The sums of derivatives of a tile, at coordinates or momenta.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn tile_index<'w, T: Number<f64>, V: ElementInput<f64> + ?Sized>(
+    fn gradient_in_tile<'w, T: Number<f64>, V: ElementInput<f64> + ?Sized>(
         &self,
         tile: Tile<'w>,
         state: &V,
         wanted: Partials,
         sums: &'w mut [f64],
     ) -> &'w [f64] {
-        let mut tile_index = TileSums::empty(tile, sums);
-        self.gradient_of::<T, V, _>(|_| 1.0, state, wanted, &mut tile_index);
-        tile_index.finish()
+        let mut in_tile = TileSums::empty(tile, sums);
+        self.gradient_of::<T, V, _>(|_| 1.0, state, wanted, &mut in_tile);
+        in_tile.finish()
     }
 
     /// `c` in `Q = q + c u`, and the weight of forces.
@@ -239,10 +239,10 @@ impl StepLists<'_, f64> {
 }
 
 impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
-    /// Whether the last iteration used tiles and leads to a finite state. [`LoopScratch::store_windows`] then
+    /// Whether the last iteration used tiles and leads to a finite state. [`LoopScratch::store_in_tiles`] then
     /// ends the step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(in crate::scheme::elements) fn is_in_windows(&self, scratch: &mut LoopScratch<'_, S>) -> bool {
+    pub(in crate::scheme::elements) fn is_in_tiles(&self, scratch: &mut LoopScratch<'_, S>) -> bool {
         let is_a_multiple = matches!(self.scheme.update, MomentumUpdate::Multiple(_));
         let is_known = |sweeps: &mut Box<TiledSweeps>| {
             std::mem::replace(&mut sweeps.is_ready, false) && sweeps.is_finite
@@ -257,7 +257,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
 impl<S: Scalar> LoopScratch<'_, S> {
     /// Notes that the unknowns change outside of tiles.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(in crate::scheme::elements) fn leave_windows(&mut self) {
+    pub(in crate::scheme::elements) fn leave_tiles(&mut self) {
         if let Some(sweeps) = self.solver.sweeps.as_deref_mut() {
             sweeps.is_ready = false;
         }
@@ -269,7 +269,7 @@ impl<S: Scalar> LoopScratch<'_, S> {
     /// # Errors
     /// [`StepFailure::Internal`] if the step was not taken in tiles.
     #[inline(never)]
-    pub(in crate::scheme::elements) fn store_windows(
+    pub(in crate::scheme::elements) fn store_in_tiles(
         &mut self,
         scheme: &Quadrature,
         remembers: bool,
@@ -328,7 +328,7 @@ impl<H: Elements + Sync> Kernel for TileStart<'_, '_, H> {
             let (x, momentum) = (&mut all_x[own.clone()], &mut momenta[own.clone()]);
             in_blocks::<L>(p.len(), &mut ExtrapolatedStart { past, known, p, x, momentum });
             let momenta = OffsetSlice { numbers: momenta, first, degrees: step.degrees() };
-            let velocities = step.tile_index::<H::CommonRange, _>(
+            let velocities = step.gradient_in_tile::<H::CommonRange, _>(
                 tile,
                 &momenta,
                 Partials::BY_MOMENTA,
@@ -369,7 +369,7 @@ impl<H: Elements + Sync> Kernel for TileSweep<'_, '_, H> {
             let tile = tiles.tile(number);
             let (places, own) = (tile.start..tile.end, tile.start - first..tile.end - first);
             let p = &step.p[places.clone()];
-            let forces = step.tile_index::<H::CommonRange, _>(
+            let forces = step.gradient_in_tile::<H::CommonRange, _>(
                 tile,
                 now,
                 Partials::BY_COORDINATES,
@@ -381,7 +381,7 @@ impl<H: Elements + Sync> Kernel for TileSweep<'_, '_, H> {
             in_blocks::<HALF>(places.len(), &mut kick);
             (size, corrected) = (kick.size, kick.corrected);
             let momenta = OffsetSlice { numbers: momenta, first, degrees: step.degrees() };
-            let velocities = step.tile_index::<H::CommonRange, _>(
+            let velocities = step.gradient_in_tile::<H::CommonRange, _>(
                 tile,
                 &momenta,
                 Partials::BY_MOMENTA,

@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn windows_follow_their_neighbours() {
+    fn tiles_follow_their_neighbours() {
         for neighbours in [chain(1, 1), chain(7, 1), chain(23, 3), ring(3), ring(11)] {
             let all = neighbours.len();
             for (rounds, parts) in (1..5).flat_map(|rounds| (1..6).map(move |parts| (rounds, parts))) {

@@ -89,7 +89,7 @@ impl<H: Elements + Sync> Kernel for DiagonalSolve<'_, '_, H> {
             let (places, own) = (tile.start..tile.end, tile.start - first..tile.end - first);
             let [q, p, inverses] = [step.q, step.p, inverses].map(|list| &list[places.clone()]);
             let momenta = OffsetSlice { numbers: step.p, first: 0, degrees };
-            let velocities = step.tile_index::<H::CommonRange, _>(
+            let velocities = step.gradient_in_tile::<H::CommonRange, _>(
                 tile,
                 &momenta,
                 Partials::BY_MOMENTA,
@@ -101,7 +101,7 @@ impl<H: Elements + Sync> Kernel for DiagonalSolve<'_, '_, H> {
                 &mut ForceCoordinates { velocities, q, point, next: &mut all_u[own.clone()] },
             );
             let coordinates = OffsetSlice { numbers: all_u, first, degrees };
-            let forces = step.tile_index::<H::CommonRange, _>(
+            let forces = step.gradient_in_tile::<H::CommonRange, _>(
                 tile,
                 &coordinates,
                 Partials::BY_COORDINATES,
@@ -113,7 +113,7 @@ impl<H: Elements + Sync> Kernel for DiagonalSolve<'_, '_, H> {
                 &mut DiagonalCorrection { forces, weight, inverses, p, x, momentum },
             );
             let momenta = OffsetSlice { numbers: all_u, first, degrees };
-            let velocities = step.tile_index::<H::CommonRange, _>(
+            let velocities = step.gradient_in_tile::<H::CommonRange, _>(
                 tile,
                 &momenta,
                 Partials::BY_MOMENTA,
