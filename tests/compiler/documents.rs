@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use super::rooms::files;
 use super::root;
 
 /// The documents that users read.
@@ -179,6 +180,34 @@ fn sentences(document: &Path) -> Vec<String> {
         }
     }
     sentences
+}
+
+/// A path on the page begins at the root, at a room of a crate, or beside the page; a word of code is in some source.
+#[test]
+fn what_contributors_are_told_exists() {
+    let sources = ["src", "wzvi-macros/src", "wzvi-runtime/src"].map(|folder| root().join(folder));
+    let page = root().join("docs/guide/contributors.md");
+    let places = [root(), sources[1].as_path(), sources[2].as_path(), page.parent().unwrap()];
+    let texts = sources.iter().flat_map(|folder| files(folder));
+    let all = texts.map(|file| fs::read_to_string(file).unwrap()).collect::<String>();
+    let is_word = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    let known: BTreeSet<_> = all.split(|letter| !is_word(letter)).collect();
+    let is_known = |word: &str| {
+        let word = word.trim_matches('_');
+        word.len() < 2 || word.starts_with(|letter: char| letter.is_numeric()) || known.contains(word)
+    };
+    let is_path = |piece: &str| {
+        (piece.contains('/') || piece.ends_with(".rs") || piece.ends_with(".md"))
+            && piece.chars().all(|letter| is_word(letter) || "/.-".contains(letter))
+    };
+    let exists = |piece: &&str| match is_path(piece) {
+        true => places.iter().any(|place| place.join(piece).exists()),
+        false => piece.contains("cargo ") || piece.split(|letter| !is_word(letter)).all(is_known),
+    };
+    let lines = lines(&page);
+    let pieces = lines.iter().flat_map(|line| line.split('`').skip(1).step_by(2));
+    let missing: Vec<_> = pieces.filter(|piece| !exists(piece)).collect();
+    assert!(missing.is_empty(), "{missing:#?}");
 }
 
 #[test]

@@ -214,7 +214,9 @@ pub(crate) use of_parts;
 /// [`StepMemory`] of a struct of memories, with `Clone` and [`Numbers`], from the list of its fields:
 ///
 /// ```text
-/// step_memory! { impl[S: Scalar, M: StepMemory] StepMemory for Memory<S, M> { kept: parts; scratch: start, dw } }
+/// step_memory! {
+///     impl[S: Scalar, M: StepMemory] StepMemory for CompositionMemory<S, M> { kept: parts; scratch: start, dw }
+/// }
 /// ```
 ///
 /// | list | its fields | checkpoints | copies | requests |

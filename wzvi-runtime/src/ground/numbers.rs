@@ -79,7 +79,7 @@ impl<T: Numbers + Default> Numbers for Vec<T> {
 /// `Numbers` of a struct from the list of its fields:
 ///
 /// ```text
-/// numbers! { impl[M: Numbers, S] Numbers for Memory<S, M> { kept: parts; scratch: start, dw } }
+/// numbers! { impl[] Numbers for Moments { kept: count, comoment[..], of_each[..]; fixed: has_covariances } }
 /// ```
 ///
 /// | list | its fields |

@@ -36,7 +36,7 @@ pub(super) struct TakenRareStep<H: Discretized<E>, E, C> {
 /// A step that was not taken.
 pub(super) struct RefusedStep<M> {
     pub(super) cause: StepFailure,
-    /// The memory that was given. Its lists serve again as scratch; what it remembered is lost.
+    /// The memory that was given, for the lists that it has; their contents mean nothing.
     pub(super) memory: Option<M>,
 }
 
