@@ -190,7 +190,7 @@ fn paths_in_lanes_are_those_by_themselves() {
     let systems = || (0..21).map(|i| Oscillator { gamma: 0.5 + 0.1 * f64::from(i), ..single.clone() });
     check_lanes!(single.ensemble::<Gjf>(0.2).systems_from(systems()).start(start()).steps(20));
     check_lanes!(single.ensemble::<GjI>(0.2).systems_from(systems()).start(start()).steps(20));
-    // Large enough to go window by window.
+    // Large enough to go tile by tile.
     let many = Many { m: 0.8, gamma: 0.9, kt: 1.3 };
     let wave = |phase: f64| (0..523).map(|i| (0.7 * f64::from(i) + phase).sin()).collect::<Vec<_>>();
     check_lanes!(many.ensemble::<Gjf>(0.1).start(State::new(wave(0.0), wave(1.0))).steps(11));

@@ -18,5 +18,5 @@ mod seam;
 mod spellings;
 mod sweeps;
 mod tables;
+mod tiles;
 mod units;
-mod windows;

@@ -18,7 +18,7 @@ pub(crate) fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(
     let alone = |list: &[f64]| -> Vec<Lanes<1>> { list.iter().map(|&x| Lanes::new([x])).collect() };
     let [mut q, mut p] = start.clone();
     let (n, mut own_q, mut own_p) = (q.len(), alone(&q), alone(&p));
-    // Systems of one window are never divided.
+    // Systems of one tile are never divided.
     let threads = if n > 256 { &[1, 2, 5][..] } else { &[1] };
     let stepper = |&threads: &usize| system.stepper::<E>(h).unwrap().threads(threads).unwrap();
     let mut runs: Vec<_> =

@@ -1,7 +1,7 @@
-//! Implicit steps of large systems: the fixed point goes window by window in vector instructions, with the bits of one pass over
+//! Implicit steps of large systems: the fixed point goes tile by tile in vector instructions, with the bits of one pass over
 //! all sites, number by number, and ends where the equations are at the rounding of their own terms, whatever the scale of a site.
 //!
-//! The reference is the same generated step in `one_by_one`, which takes no windows and no vector registers.
+//! The reference is the same generated step in `one_by_one`, which takes no tiles and no vector registers.
 
 use fixtures::rounding::{self, Chain};
 use wzvi::error::StepError;
@@ -84,7 +84,7 @@ fn check<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, n: usize, what
     check_scheme::<E, H>(system, &[numbers(n, 0.2), numbers(n, 1.1)], self::H, what);
 }
 
-/// Below and above the width of registers, the size from which windows are taken, and that of windows.
+/// Below and above the width of registers, the size from which tiles are taken, and that of tiles.
 fn sizes() -> impl Iterator<Item = usize> {
     (3..12).chain(94..98).chain([128, 255, 256, 257, 513, 1025])
 }
@@ -104,7 +104,7 @@ fn masses_and_springs(n: usize) -> [Vec<f64>; 2] {
     [(0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0)]
 }
 
-/// Each step is one correction, and each window takes all of it at once, unless it adds to the forces of others.
+/// Each step is one correction, and each tile takes all of it at once, unless it adds to the forces of others.
 #[test]
 fn linear_steps_of_single_sites_have_the_bits_of_one_pass() {
     for n in sizes() {
@@ -238,7 +238,7 @@ fn sites_of_other_scales_are_solved_alike() {
 }
 
 /// Pairs of sites that nothing else joins, of one energy and phase each: the same numbers at every pair, and the same whether there are
-/// so few of them that they go one after the other, or so many that they go in windows.
+/// so few of them that they go one after the other, or so many that they go in tiles.
 #[test]
 fn small_and_large_systems_are_judged_alike() {
     let solve = |n: usize, scale: f64| {

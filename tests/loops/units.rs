@@ -120,7 +120,7 @@ fn bands_and_sweeps() {
         compare::<_, Gauss<2>>(chain, 24, h, 2);
         compare::<_, Gauss<4>>(chain, 24, h, 2);
     }
-    // In windows.
+    // In tiles.
     compare::<_, Midpoint>(chain, 130, 0.2, 2);
     compare::<_, Verlet>(chain, 130, 0.2, 2);
     compare::<_, Gauss<4>>(chain, 130, 0.2, 2);

@@ -127,7 +127,7 @@ fn the_trapezoidal_rule_of_parts_is_verlet() {
     let ends =
         [end::<Trapezoidal, _>(&Pendulum, start, 30, 0.0), end::<Verlet, _>(&Pendulum, start, 30, 0.0)];
     assert!((ends[0].q[0] - ends[1].q[0]).abs() < 1e-14 && (ends[0].p[0] - ends[1].p[0]).abs() < 1e-14);
-    // Small and large: a system of 100 sites would go window by window if it had one point.
+    // Small and large: a system of 100 sites would go tile by tile if it had one point.
     for sites in [5, 100] {
         let start = State::new(wave(sites, 1.0, 0.2), wave(sites, 1.0, 1.1));
         let [own, verlet] =

@@ -1,4 +1,4 @@
-//! Paths of large systems, which go one after the other and window by window: the same as beside each other in lanes, to the last bit.
+//! Paths of large systems, which go one after the other and tile by tile: the same as beside each other in lanes, to the last bit.
 
 use wzvi::bath::{A, B, O};
 use wzvi::nalgebra::DVector;
@@ -8,7 +8,7 @@ use wzvi::prelude::*;
 use fixtures::bath::{FreeChain, Kicked};
 use fixtures::stepped::every_split;
 
-/// More than a window, no multiple of a block, and enough for paths to go by themselves.
+/// More than a tile, no multiple of a block, and enough for paths to go by themselves.
 const SITES: usize = 523;
 const PATHS: u64 = 13;
 
@@ -43,7 +43,7 @@ fn paths_by_themselves_are_those_in_lanes() {
             .until(1.23)
             .truncation(Truncation::On(1.0))
     );
-    // No friction at all: what is between the drifts has no windows.
+    // No friction at all: what is between the drifts has no tiles.
     let still = Kicked { gamma: 0.0, ..bath.clone() };
     check!(still.ensemble::<Baoab>(0.1).start(start(1.0)).steps(11));
     check!(
@@ -74,9 +74,9 @@ struct Spelled {
     kt: f64,
 }
 
-/// Window by window and at once, for words of any length.
+/// Tile by tile and at once, for words of any length.
 #[test]
-fn long_words_go_window_by_window() {
+fn long_words_go_tile_by_tile() {
     type Word = Splitting<(B, A, O, A, B, A, O, A, B)>;
     let bath = Spelled { gamma: 0.7, kt: 0.4 };
     check!(bath.ensemble::<Word>(0.1).start(start(1.0)).steps(11));

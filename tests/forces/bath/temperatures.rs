@@ -234,7 +234,7 @@ fn a_temperature_that_turns_negative_says_where_and_when() {
     assert!(nan.simulate::<Baoab>(0.1).start(before).noise(StepNormals::seed(1)).steps(1).run().is_err());
 }
 
-/// A large chain goes window by window: the bits of a small one, and the energy is gained as heat and work.
+/// A large chain goes tile by tile: the bits of a small one, and the energy is gained as heat and work.
 #[test]
 fn large_chains_have_the_bits_of_one_pass() {
     for slope in [0.0, 0.1] {

@@ -1,5 +1,5 @@
 //! Conditions for computing slopes window by window, and the number types used. Tests:
-//! `tests/loops/windows.rs`.
+//! `tests/loops/tiles.rs`.
 
 use proc_macro2::TokenStream;
 use quote::quote;

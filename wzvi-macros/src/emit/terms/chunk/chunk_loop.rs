@@ -1,6 +1,6 @@
 //! The loop over the chunks of an innermost loop: runs of placements without wrapping of an index and without
 //! change of the order of terms at a place, restricted to those that write to wanted places. Tests:
-//! `tests/loops/windows.rs`.
+//! `tests/loops/tiles.rs`.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;

@@ -1,7 +1,7 @@
-//! Large systems are stepped window by window, in vector instructions: their bits are those of one pass over all sites, number
+//! Large systems are stepped tile by tile, in vector instructions: their bits are those of one pass over all sites, number
 //! by number, on any number of threads.
 //!
-//! The reference is the same generated step on [`Lanes<1>`], which takes no windows and no vector registers. Nothing is
+//! The reference is the same generated step on [`Lanes<1>`], which takes no tiles and no vector registers. Nothing is
 //! compared but for equality.
 
 use wzvi::error::{ConfigError, Error};
@@ -225,7 +225,7 @@ where
     check_scheme::<Composed<Verlet, BlanesMoan4>, H>(system, &start, H, &format!("{what}, BlanesMoan4"));
 }
 
-/// Below and above the width of registers, the size from which windows are taken, and that of windows.
+/// Below and above the width of registers, the size from which tiles are taken, and that of tiles.
 fn sizes() -> impl Iterator<Item = usize> {
     (3..20).chain(94..98).chain([128, 511, 512, 513, 1024, 1025, 1500])
 }
