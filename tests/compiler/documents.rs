@@ -182,7 +182,7 @@ fn sentences(document: &Path) -> Vec<String> {
     sentences
 }
 
-/// A path on the page begins at the root, at a room of a crate, or beside the page; a word of code is in some source.
+/// A path on the page begins at the root, at a module of a crate, or beside the page; a word of code is in some source.
 #[test]
 fn what_contributors_are_told_exists() {
     let sources = ["src", "wzvi-macros/src", "wzvi-runtime/src"].map(|folder| root().join(folder));
