@@ -30,7 +30,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         {
             return is_finite;
         }
-        scratch.leave_windows();
+        scratch.leave_tiles();
         scratch.guess(0);
         let LoopScratch { lists, solver: IterationMemory { linear, .. }, .. } = scratch;
         self.residual(lists);
