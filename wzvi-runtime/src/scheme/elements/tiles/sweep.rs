@@ -239,8 +239,8 @@ impl StepLists<'_, f64> {
 }
 
 impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
-    /// Whether the last iteration used tiles and leads to a finite state. [`LoopScratch::store_in_tiles`] then
-    /// ends the step.
+    /// Whether the last iteration used tiles and leads to a finite state. [`LoopScratch::store_in_tiles`]
+    /// then ends the step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn is_in_tiles(&self, scratch: &mut LoopScratch<'_, S>) -> bool {
         let is_a_multiple = matches!(self.scheme.update, MomentumUpdate::Multiple(_));
