@@ -57,8 +57,8 @@ pub(crate) struct Facts {
     pub(crate) is_separable: bool,
     /// The kinetic energy, if it is a constant quadratic form.
     pub(crate) kinetic: Option<Kinetic>,
-    /// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates
-    /// and time, and forces read no more.
+    /// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of
+    /// coordinates and time, and forces read no more.
     pub(crate) is_nystrom: bool,
     /// The flows of `T(p)` and `V(q, t)`, if the step Hamiltonian is their sum.
     pub(crate) flows: Option<Flows>,

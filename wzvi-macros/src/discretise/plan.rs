@@ -53,7 +53,7 @@ pub(crate) enum Step {
 /// The plans of a system, made once. The text and the code follow from them.
 pub(crate) struct Plans {
     pub(crate) listed: Vec<Embedding>,
-    /// Those of the schemes with one `P` that listed schemes need, each once.
+    /// The plans of the schemes with one `P` that listed schemes need, each once.
     pub(crate) schemes: Vec<SchemePlan>,
     /// The parts of the step Hamiltonian that the listed schemes use.
     pub(crate) parts: Vec<PartElements>,
