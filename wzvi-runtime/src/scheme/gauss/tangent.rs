@@ -131,7 +131,7 @@ impl<F: Field, const N: usize> Kernel for Multiply<'_, F, N> {
             linear.factor(unknowns);
             linear.is_factored = true;
         }
-        linear.follow::<F>(&table.c, taken.h, deviations, (degrees, 1.0 + prepared.friction.decay));
+        linear.follow::<F>(&table.c, taken.h, deviations, degrees, 1.0 + prepared.friction.decay);
         true
     }
 }
@@ -166,13 +166,14 @@ fn linearise<F: Field, const N: usize>(
     linear.products.resize(unknowns * unknowns, Lanes::default());
     let mut first = 0;
     while first < unknowns {
+        let Linear { of_all_stages, of_one_stage, columns, hessian, .. } = &mut *linear;
         if F::IN_LANES {
-            step.differentiate_slopes(at, first, &mut linear.of_all_stages, &mut linear.columns);
-            linear.keep_columns(first, [degrees, unknowns]);
+            step.differentiate_slopes(at, 0, first, of_all_stages, columns);
+            keep_columns(hessian, of_all_stages, 0, first, degrees, unknowns);
         } else {
             for stage in 0..N {
-                step.differentiate_stage(at, stage, first, &mut linear.of_one_stage, &mut linear.columns);
-                linear.keep_columns_of(stage, first, unknowns);
+                step.differentiate_slopes(at, stage, first, of_one_stage, columns);
+                keep_columns(hessian, of_one_stage, stage, first, degrees, unknowns);
             }
         }
         first += DIRECTIONS;
@@ -184,60 +185,78 @@ fn linearise<F: Field, const N: usize>(
     linear.multiply_hessian(taken.h, degrees, F::IS_NYSTROM);
 }
 
-impl<F: Field, const N: usize> StepEquations<'_, F, f64, f64, N> {
-    /// The derivatives of `b_j F` at all stages, differentiated by the unknown number `first` and those after
-    /// it.
+/// A number of the stages at which derivatives are differentiated at once: all in lanes, or a single one.
+trait StageNumber<const N: usize>: Scalar {
+    /// From the numbers of all stages; of a single one, that of this number.
+    fn of_stage(all: Lanes<N>, stage: usize) -> Self;
+    /// Writes it there.
+    fn store(self, all: &mut Lanes<N>, stage: usize);
+}
+
+impl<const N: usize> StageNumber<N> for Lanes<N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn differentiate_slopes(
+    fn of_stage(all: Self, _stage: usize) -> Self {
+        all
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store(self, all: &mut Self, _stage: usize) {
+        *all = self;
+    }
+}
+
+impl<const N: usize> StageNumber<N> for f64 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_stage(all: Lanes<N>, stage: usize) -> Self {
+        all[stage]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store(self, all: &mut Lanes<N>, stage: usize) {
+        all.set(stage, self);
+    }
+}
+
+impl<F: Field, const N: usize> StepEquations<'_, F, f64, f64, N> {
+    /// The derivatives of `b_j F` at all stages or at one, differentiated by the unknown number `first` and
+    /// those after it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn differentiate_slopes<T: StageNumber<N>>(
         &self,
         at: [&[Lanes<N>]; 2],
+        stage: usize,
         first: usize,
-        varied: &mut VariedStep<Lanes<N>>,
+        varied: &mut VariedStep<T>,
         columns: &mut PairColumns,
     ) {
         let (table, degrees) = (self.common.table(), at[0].len());
-        let weights = Lanes::new(table.b) * self.h;
-        let times = Lanes::new(table.c) * self.h + self.t;
+        let [weights, c] = [table.b, table.c].map(|list| Lanes::new(list) * self.h);
+        let [times, weights] = [c + self.t, weights].map(|all| Dual::constant(T::of_stage(all, stage)));
         let [q, p, by_q, by_p, dw] = varied;
         for list in [&mut *q, p, by_q, by_p] {
             list.resize(degrees, Dual::default());
         }
         dw.resize(self.dw.len(), Dual::default());
         for (own, all) in dw.iter_mut().zip(self.dw) {
-            *own = Dual::constant(*all);
+            *own = Dual::constant(T::of_stage(*all, stage));
         }
         let (q, p) = (&mut q[..degrees], &mut p[..degrees]);
         let (by_q, by_p) = (&mut by_q[..degrees], &mut by_p[..degrees]);
-        let inverse = Lanes::new(self.friction.inverse);
-        let scale = Lanes::new(self.friction.scale);
+        let friction = [self.friction.inverse, self.friction.scale];
+        let [inverse, scale] = friction.map(|list| T::of_stage(Lanes::new(list), stage));
         for d in 0..degrees {
-            q[d] = Dual::variable(at[0][d], d.wrapping_sub(first));
-            p[d] = Dual::variable(at[1][d], (degrees + d).wrapping_sub(first));
+            q[d] = Dual::variable(T::of_stage(at[0][d], stage), d.wrapping_sub(first));
+            p[d] = Dual::variable(T::of_stage(at[1][d], stage), (degrees + d).wrapping_sub(first));
             if F::FACTS.kind.is_conformal {
                 p[d] = times_value(p[d], inverse);
             }
         }
-        let given = (
-            [Dual::constant(times), Dual::constant(weights)],
-            [&q[..], if F::IS_NYSTROM { &q[..] } else { &p[..] }],
-            &dw[..],
-        );
+        let (system, parameters) = (self.system, self.parameters);
         if F::IS_NYSTROM {
-            let into = [&mut by_q[..], &mut []];
-            self.system.step_gradient::<f64, Dual<DIRECTIONS, Lanes<N>>, true, false>(
-                self.parameters,
-                given,
-                into,
-                columns,
-            );
+            let (given, into) = (([times, weights], [&q[..], &q[..]], &dw[..]), [&mut by_q[..], &mut []]);
+            system.step_gradient::<f64, Dual<DIRECTIONS, T>, true, false>(parameters, given, into, columns);
         } else {
-            let into = [&mut by_q[..], &mut by_p[..]];
-            self.system.step_gradient::<f64, Dual<DIRECTIONS, Lanes<N>>, true, true>(
-                self.parameters,
-                given,
-                into,
-                columns,
-            );
+            let (given, into) =
+                (([times, weights], [&q[..], &p[..]], &dw[..]), [&mut by_q[..], &mut by_p[..]]);
+            system.step_gradient::<f64, Dual<DIRECTIONS, T>, true, true>(parameters, given, into, columns);
         }
         if F::FACTS.kind.is_conformal {
             for slope in by_q {
@@ -245,65 +264,11 @@ impl<F: Field, const N: usize> StepEquations<'_, F, f64, f64, N> {
             }
         }
     }
-
-    /// The derivatives at one stage.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn differentiate_stage(
-        &self,
-        at: [&[Lanes<N>]; 2],
-        stage: usize,
-        first: usize,
-        varied: &mut VariedStep<f64>,
-        columns: &mut PairColumns,
-    ) {
-        let (table, degrees) = (self.common.table(), at[0].len());
-        let [q, p, by_q, by_p, dw] = varied;
-        for list in [&mut *q, p, by_q, by_p] {
-            list.resize(degrees, Dual::default());
-        }
-        dw.resize(self.dw.len(), Dual::default());
-        for (own, all) in dw.iter_mut().zip(self.dw) {
-            *own = Dual::constant(all[stage]);
-        }
-        for d in 0..degrees {
-            q[d] = Dual::variable(at[0][d][stage], d.wrapping_sub(first));
-            p[d] = Dual::variable(at[1][d][stage], (degrees + d).wrapping_sub(first));
-            if F::FACTS.kind.is_conformal {
-                p[d] = p[d] * self.friction.inverse[stage];
-            }
-        }
-        let times = [self.h * table.c[stage] + self.t, self.h * table.b[stage]].map(Dual::constant);
-        if F::IS_NYSTROM {
-            let (given, into) = ((times, [&q[..], &q[..]], &dw[..]), [&mut by_q[..], &mut []]);
-            self.system.step_gradient::<f64, Dual<DIRECTIONS>, true, false>(
-                self.parameters,
-                given,
-                into,
-                columns,
-            );
-        } else {
-            let (given, into) = ((times, [&q[..], &p[..]], &dw[..]), [&mut by_q[..], &mut by_p[..]]);
-            self.system.step_gradient::<f64, Dual<DIRECTIONS>, true, true>(
-                self.parameters,
-                given,
-                into,
-                columns,
-            );
-        }
-        if F::FACTS.kind.is_conformal {
-            for slope in by_q {
-                *slope = *slope * self.friction.scale[stage];
-            }
-        }
-    }
 }
 
 /// A number times one without derivatives.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn times_value<const N: usize>(
-    number: Dual<DIRECTIONS, Lanes<N>>,
-    factor: Lanes<N>,
-) -> Dual<DIRECTIONS, Lanes<N>> {
+fn times_value<T: Scalar>(number: Dual<DIRECTIONS, T>, factor: T) -> Dual<DIRECTIONS, T> {
     let mut derivative = number.derivative;
     for own in &mut derivative {
         *own = *own * factor;
@@ -311,38 +276,31 @@ fn times_value<const N: usize>(
     Dual { value: number.value * factor, derivative }
 }
 
+/// Keeps second derivatives at all stages or at one: columns `first` and those after it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn keep_columns<T: StageNumber<N>, const N: usize>(
+    hessian: &mut [Lanes<N>],
+    varied: &VariedStep<T>,
+    stage: usize,
+    first: usize,
+    degrees: usize,
+    unknowns: usize,
+) {
+    let [_, _, by_q, by_p, _] = varied;
+    let hessian = &mut hessian[..2 * degrees * unknowns];
+    let halves = if unknowns == degrees { 1 } else { 2 };
+    for half in 0..halves {
+        let slopes = if half == 0 { &by_q[..degrees] } else { &by_p[..degrees] };
+        for d in 0..degrees {
+            let row = (half * degrees + d) * unknowns;
+            for number in 0..DIRECTIONS.min(unknowns - first) {
+                slopes[d].derivative[number].store(&mut hessian[row + first + number], stage);
+            }
+        }
+    }
+}
+
 impl<const N: usize> Linear<N> {
-    /// Keeps second derivatives at all stages.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn keep_columns(&mut self, first: usize, [degrees, unknowns]: [usize; 2]) {
-        let [_, _, by_q, by_p, _] = &self.of_all_stages;
-        let hessian = &mut self.hessian[..2 * degrees * unknowns];
-        let halves = if unknowns == degrees { 1 } else { 2 };
-        for half in 0..halves {
-            let slopes = if half == 0 { &by_q[..degrees] } else { &by_p[..degrees] };
-            for d in 0..degrees {
-                let row = (half * degrees + d) * unknowns;
-                for number in 0..DIRECTIONS.min(unknowns - first) {
-                    hessian[row + first + number] = slopes[d].derivative[number];
-                }
-            }
-        }
-    }
-
-    /// Keeps those at one stage.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn keep_columns_of(&mut self, stage: usize, first: usize, unknowns: usize) {
-        let [_, _, by_q, by_p, _] = &self.of_one_stage;
-        for (half, slopes) in [by_q, by_p].into_iter().enumerate() {
-            for (d, slope) in slopes.iter().enumerate() {
-                let row = (half * slopes.len() + d) * unknowns;
-                for number in 0..DIRECTIONS.min(unknowns - first) {
-                    self.hessian[row + first + number].set(stage, slope.derivative[number]);
-                }
-            }
-        }
-    }
-
     /// The products of second derivatives that multiply deviations in the equations.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn multiply_hessian(&mut self, h: f64, degrees: usize, is_nystrom: bool) {
@@ -484,7 +442,8 @@ impl<const N: usize> Linear<N> {
         c: &[f64; N],
         h: f64,
         [q, p]: [&mut [Dual<DEVIATIONS>]; 2],
-        (degrees, left): (usize, f64),
+        degrees: usize,
+        left: f64,
     ) {
         let unknowns = kinds::<F>() * degrees;
         let (q, p) = (&mut q[..degrees], &mut p[..degrees]);
