@@ -24,7 +24,7 @@ pub(crate) mod single;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 
-use crate::algebra::scalar::{Mask, Number, Scalar, Special, larger};
+use crate::algebra::scalar::{Mask, Number, Scalar, Special, larger, without_derivatives};
 use crate::ground::numbers::{Numbers, Tape};
 
 /// `L` numbers, in registers where they fit.
@@ -239,16 +239,8 @@ impl<const L: usize> Scalar for Lanes<L> {
     type Mask = LaneMask<L>;
     type Constant = f64;
     type OfElements<T: Number<f64>> = Self;
-    type Value = Self;
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn value(self) -> Self {
-        self
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_value(value: Self) -> Self {
-        value
-    }
+    without_derivatives!();
     const LANES: usize = L;
     const LANES_ARE_PATHS: bool = true;
 
@@ -267,10 +259,6 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {
         self.0[1..].iter().fold(self.0[0].abs(), |largest, x| larger(largest, x.abs()))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn nearly_over(self, size: Self) -> Self {
-        self.zip(size, f64::nearly_over)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_recip(self) -> Self {

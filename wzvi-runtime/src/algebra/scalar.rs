@@ -142,12 +142,6 @@ pub trait Scalar:
     fn infinitesimal(self) -> Self {
         self - Self::of_value(self.value())
     }
-    /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives;
-    /// `f64::MAX` for larger quotients and for NaN.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn nearly_over(self, size: Self) -> Self {
-        Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
-    }
     /// True in the lanes in which every part of the number is zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vanishes(self) -> Self::Mask {
@@ -291,6 +285,23 @@ impl<S: Scalar> Number<S> for S {
     }
 }
 
+/// The value of a number that carries no derivatives.
+macro_rules! without_derivatives {
+    () => {
+        type Value = Self;
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn value(self) -> Self {
+            self
+        }
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn of_value(value: Self) -> Self {
+            value
+        }
+    };
+}
+pub(in crate::algebra) use without_derivatives;
+
 macro_rules! forward {
     ($($function:ident)*) => { $(#[cfg_attr(not(debug_assertions), inline(always))] fn $function(self) -> Self { f64::$function(self) })* };
 }
@@ -300,16 +311,8 @@ impl Scalar for f64 {
     type Constant = Self;
     type Stages<const N: usize> = Lanes<N>;
     type OfElements<T: Number<f64>> = T;
-    type Value = Self;
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn value(self) -> Self {
-        self
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_value(value: Self) -> Self {
-        value
-    }
+    without_derivatives!();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn as_f64s(list: &[f64]) -> Option<&[f64]> {
@@ -339,13 +342,6 @@ impl Scalar for f64 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, _lane: usize) -> f64 {
         self
-    }
-    /// The minimum is one instruction, but not the minimum with infinity, for which compilers emit a test of
-    /// bits.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn nearly_over(self, size: Self) -> Self {
-        let relative = (self * size.nearly_recip()).abs();
-        if relative < Self::MAX { relative } else { Self::MAX }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_identical(self, other: Self) -> bool {

@@ -1,9 +1,10 @@
 //! The solvers of a step: dense factorisation and Newton's method, on arrays, without allocation.
 //!
 //! Numbers do not know solvers: these are functions of any [`Scalar`](crate::algebra::scalar::Scalar).
-//! Generated code calls [`linear`], [`usable`] and [`Block::newton`]. They solve for one number, or for
-//! several that share a verdict, by `newton` and `dense`. Numbers with derivatives are solved for their
-//! values, and then for each derivative. `lanes` decides for each lane of trajectories separately.
+//! Generated code calls [`linear`], [`usable`] and [`Block::newton`]. They solve by `newton` and `dense`, and
+//! for each lane of several trajectories separately by `newton` and `lanes`. Numbers with derivatives are
+//! solved for their values, and then for each derivative. `convergence` has the constants that decide when an
+//! iteration ends, here and in the schemes that iterate by themselves.
 
 mod banded;
 mod block;
@@ -23,7 +24,11 @@ mod sparse;
 
 pub use banded::Banded;
 pub use block::{Block, Inputs};
-pub use convergence::relative_to;
+pub(crate) use convergence::{
+    CAREFUL_CONTRACTION, CONTRACTION, Contraction, DOUBTFUL, ROUNDING, SETTLED_STAGES, UNSEEN,
+    UNSEEN_IN_STAGES, WILD,
+};
+pub use convergence::{nearly_over, relative_to};
 pub(crate) use damped::{NewtonScratch, Problem, damped};
 pub use dense::{Factor, SymmetricFactor, linear, prepared, reciprocal_above_one, usable};
 pub use effort::{Doubt, Effort};

@@ -16,10 +16,10 @@
 //! An implicit step iterates `x ← φ(x)` while its measured contraction says that this finishes with fewer
 //! operations than Newton's method. For steps that are not stiff this is several times cheaper. Otherwise the
 //! step uses Newton's method with the factors of an earlier iteration or step, as long as these finish with
-//! fewer operations than new ones. Both end when each correction is at the rounding of its unknown, or
-//! changes the points of evaluation by no more than their rounding, or each equation is at the rounding of
-//! its own terms: the choice affects the cost, but no significant digit. If neither converges, the stepper
-//! takes a careful step.
+//! fewer operations than new ones. Both end when what each correction leaves is below the rounding of its
+//! unknown plus the state that it changes, or when none changes the points of evaluation by more than a
+//! quarter of their rounding, or when each equation is at the rounding of its own terms: the choice affects
+//! the cost, but no significant digit. If neither converges, the stepper takes a careful step.
 //!
 //! The linear equations of Newton's method are solved by elimination in a band, after a renumbering of the
 //! unknowns, if the band is narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred

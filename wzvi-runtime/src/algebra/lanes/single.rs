@@ -9,7 +9,7 @@
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use super::elementary;
-use crate::algebra::scalar::{Mask, Number, Scalar, Special};
+use crate::algebra::scalar::{Mask, Number, Scalar, Special, without_derivatives};
 use crate::ground::numbers::{Numbers, Tape, numbers};
 
 /// A number; unless it `STANDS_ALONE`, NaN where a function meets a rare argument.
@@ -161,16 +161,8 @@ impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
     type Mask = KnownTruth;
     type Constant = f64;
     type OfElements<T: Number<f64>> = Self;
-    type Value = Self;
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn value(self) -> Self {
-        self
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_value(value: Self) -> Self {
-        value
-    }
+    without_derivatives!();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {

@@ -10,7 +10,7 @@ use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::dual::{functions_by_slope, one_minus_square};
-use super::{Number, Scalar, Special};
+use super::{Number, Scalar, Special, without_derivatives};
 use crate::ground::numbers::numbers;
 
 /// Twice the largest rounding error of one operation: the bound also holds where the errors of many add up.
@@ -128,16 +128,8 @@ impl Scalar for Rounded {
     type Mask = bool;
     type Constant = f64;
     type OfElements<T: Number<f64>> = Self;
-    type Value = Self;
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn value(self) -> Self {
-        self
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_value(value: Self) -> Self {
-        value
-    }
+    without_derivatives!();
 
     functions_by_slope!(function);
 

@@ -104,10 +104,11 @@ fn solve_linear<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: [S; N]) -> R
         return Ok(x);
     }
     // In lanes, each path would take it or not on account of the others.
-    if !S::LANES_ARE_PATHS
-        && let Some(x) = solve_pair::<S, N, false>(matrix, &b)
-    {
-        return Ok(x);
+    if N == 2 && !S::LANES_ARE_PATHS {
+        let (x, is_safe) = solve_pair::<S, N, false>(matrix, &b);
+        if is_safe.all() {
+            return Ok(x);
+        }
     }
     linear(*matrix, b)
 }

@@ -23,7 +23,7 @@
 //! needs no units. Equations that are the gradient of a convex function have one solution, and `s` has about
 //! the sign of the slope of that function.
 
-use super::convergence::{Convergence, Verdict, relative_to};
+use super::convergence::{CONTRACTION, Convergence, FIRST, UNSEEN, Verdict, relative_to};
 use super::dense::{Factor, is_definite};
 use super::effort::{Doubt, Effort};
 use super::newton::{Equations, astray};
@@ -31,13 +31,13 @@ use crate::algebra::scalar::{Scalar, larger};
 use crate::error::StepFailure;
 
 /// Whole corrections that are tried unconditionally.
-const PATIENCE: u32 = 12;
+const MOST_WHOLE: u32 = 12;
 /// More shortened corrections than any convergent step needs.
 const MOST_SHORTENED: u32 = 20;
 /// More whole corrections than it takes to halve the first one to rounding level.
 const MOST_HALVINGS: u32 = 64;
 /// Corrections are shortened to this fraction at most.
-const SHORTEST: f64 = 1.0 / 64.0;
+const SHORTEST_LENGTH: f64 = 1.0 / 64.0;
 /// Corrections along which the next one points back by more than this fraction of them went too far.
 const OVERSHOT: f64 = 0.5;
 /// Such a correction is shortened until the next one, along it, is at most this fraction of it.
@@ -47,10 +47,6 @@ const MOST_POINTS: u32 = 40;
 /// Directed corrections after the last one that reached an unknown which none had moved before. A push along
 /// a chain reaches one more in each, and 20 to 25 more finish chains of 2 to 100 beads.
 const MOST_WITHOUT_CONTACT: u32 = 32;
-/// The second correction of a start below this fraction of the first leaves no doubt.
-const FIRST_CONTRACTION: f64 = super::convergence::FIRST;
-/// Nor do later ones below this fraction of the one before.
-const SAFE_CONTRACTION: f64 = 0.5;
 /// What is left of the way back from the end of the iteration, with the Jacobian there, at most: `J_1⁻¹ r_0`
 /// for `d = x_0 - x_1`. From a start of the Kantorovich number `ω |c| = 1/4`, of which an eighth is left,
 /// `ω |d| <= 1 - √(1/2)` and `|J_1⁻¹ r_0 - d| <= ω |d|² / (2 (1 - ω |d|))` (lemmas 2.1 and 2.2 there). The
@@ -65,7 +61,7 @@ pub(crate) trait Problem {
     type Number: Scalar;
     type Vector: AsRef<[Self::Number]> + AsMut<[Self::Number]> + Clone;
     /// The part of a rounding that the correction after the last one may be.
-    const UNSEEN: f64 = super::convergence::UNSEEN;
+    const UNSEEN: f64 = UNSEEN;
 
     /// `r(x)`
     fn residual(&mut self, x: &Self::Vector, into: &mut Self::Vector);
@@ -222,7 +218,7 @@ impl<P: Problem> Search<'_, P> {
                     return Ok(Effort { iterations, doubt, is_far, is_reversed, is_indefinite });
                 }
                 (_, Lengths::Directed) => size.is_nan() || since_contact >= MOST_WITHOUT_CONTACT,
-                (Verdict::Straying, Lengths::Whole) => size.is_nan() || convergence.iterations >= PATIENCE,
+                (Verdict::Straying, Lengths::Whole) => size.is_nan() || convergence.iterations >= MOST_WHOLE,
                 (Verdict::Straying, Lengths::Monotone) => {
                     size.is_nan() || convergence.iterations >= MOST_SHORTENED
                 }
@@ -242,7 +238,8 @@ impl<P: Problem> Search<'_, P> {
                 }
                 continue;
             }
-            let safe = if convergence.iterations == 1 { FIRST_CONTRACTION } else { SAFE_CONTRACTION };
+            // Corrections that shrink so far leave no doubt.
+            let safe = if convergence.iterations == 1 { FIRST } else { CONTRACTION };
             let descent = self.descend(safe, lost)?;
             contacts += u32::from(self.reaches());
             doubtful |= !descent.contracts;
@@ -297,7 +294,7 @@ impl<P: Problem> Search<'_, P> {
                 self.factor()?;
             }
             length *= 0.5;
-            if !shortens || length < SHORTEST {
+            if !shortens || length < SHORTEST_LENGTH {
                 // The cause is a singular matrix at the end of every shortened correction.
                 return Err(solved.err().unwrap_or(lost));
             }

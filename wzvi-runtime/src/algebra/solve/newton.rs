@@ -26,13 +26,13 @@ use super::convergence::{Convergence, Verdict, nearly_relative, relative_to};
 use super::damped::{Dense, NewtonScratch, damped};
 use super::dense::{Factor, SymmetricFactor, is_definite};
 use super::effort::Effort;
-use super::lanes::{self, decides_by_lane};
+use super::lanes::{self, decides_by_lane, poison};
 use crate::algebra::scalar::{Mask, Rounded, Scalar, larger};
 use crate::error::StepFailure;
 
 /// A determinant above this fraction of its two products has lost three digits at most, which Newton's method
 /// makes up.
-pub(super) const SAFE_DETERMINANT: f64 = 1e-3;
+const SAFE_DETERMINANT: f64 = 1e-3;
 
 /// The equations `r(x) = 0` of one step.
 pub trait Equations<S, const N: usize>: Copy {
@@ -46,25 +46,9 @@ pub trait Equations<S, const N: usize>: Copy {
 /// The largest of the relative corrections of those unknowns whose residual is more than its rounding.
 #[cold]
 #[inline(never)]
-pub(super) fn beyond<const N: usize>(residual: [Rounded; N], relative: [f64; N]) -> f64 {
+fn beyond<const N: usize>(residual: [Rounded; N], relative: [f64; N]) -> f64 {
     let left = residual.iter().zip(relative).filter(|(residual, _)| !residual.is_below(1.0));
     left.fold(0.0, |most, (_, size)| larger(most, size))
-}
-
-/// [`beyond`] of all lanes.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn beyond_in_any_lane<S: Scalar, const N: usize>(
-    equations: impl Equations<S, N>,
-    x: &[S; N],
-    correction: &[S; N],
-    end: &[S; N],
-) -> f64 {
-    let sizes = relatives(correction, end);
-    let mut most = 0.0;
-    for lane in 0..S::LANES {
-        most = larger(most, beyond(equations.rounded(x, lane), sizes));
-    }
-    most
 }
 
 /// Why an iteration is given up.
@@ -75,12 +59,6 @@ pub(crate) fn astray(iterations: u32, correction: f64) -> StepFailure {
     } else {
         StepFailure::NotConverged { iterations, correction }
     }
-}
-
-/// `|correction| / |unknown|` of each unknown, 0 for no correction.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn relatives<S: Scalar, const N: usize>(correction: &[S; N], unknowns: &[S; N]) -> [f64; N] {
-    std::array::from_fn(|i| relative_to(correction[i], unknowns[i]))
 }
 
 /// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle
@@ -107,85 +85,90 @@ pub(crate) fn newton<
         *x = *room.solution();
         return Ok(effort);
     }
-    if const { decides_by_lane::<S>() } {
-        let (end, effort) = lanes::iterate(*x, GUESS, SYMMETRIC, equations);
-        *x = end;
-        return Ok(effort);
-    }
+    let (mut end, mut level) = (*x, S::from_f64(0.0));
     let mut convergence = Convergence::new(GUESS);
-    if GUESS || N > 2 || begun::<S, N, SYMMETRIC>(x, &mut convergence, equations) {
-        loop {
-            let (residual, jacobian) = equations.evaluate(x);
-            let Some(correction) = corrected::<S, N, SYMMETRIC>(&jacobian, residual) else { break };
-            let (end, largest) = corrected_end(x, &correction);
-            match convergence.glance(largest) {
-                Some(Verdict::Contracting) => *x = end,
-                Some(_) => {
-                    *x = end;
-                    return accepted::<S, N, SYMMETRIC>(&jacobian, convergence);
-                }
-                None if !GUESS && N > 2 && convergence.iterations == 0 && largest.is_finite() => {
-                    *x = end;
-                    convergence.begin(largest);
-                }
-                None => break,
-            }
+    loop {
+        let (residual, jacobian) = equations.evaluate(&end);
+        let (correction, is_safe) = corrected::<S, N, SYMMETRIC>(&jacobian, &residual);
+        if !is_safe.all() {
+            break;
+        }
+        let (ended, (moved, largest)) = (convergence.ended(), corrected_end(&end, &correction));
+        let Some(done) = convergence.glance(largest) else { break };
+        for i in 0..N {
+            end[i] = S::select(ended, end[i], moved[i]);
+        }
+        level = S::select(ended, level, uprightness::<S, N, SYMMETRIC>(&jacobian));
+        if done.all() {
+            *x = end;
+            return accepted::<S, N, SYMMETRIC>(x, level, convergence.iterations);
         }
     }
-    // Taken apart: the common way writes to no memory that the call knows.
-    let (end, iterations) = resumed::<S, N, SYMMETRIC>(*x, convergence, equations)?;
+    let (end, effort) = resumed::<S, N, SYMMETRIC>(end, level, convergence, equations)?;
     *x = end;
-    Ok(Effort::fast(iterations))
+    Ok(effort)
 }
 
-/// The first iteration from zero for few unknowns: it has no predecessor, and its correction is the whole
-/// solution so far. `false`, with nothing done, where the general iteration is needed.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn begun<S: Scalar, const N: usize, const SYMMETRIC: bool>(
-    x: &mut [S; N],
-    convergence: &mut Convergence,
-    equations: impl Equations<S, N>,
-) -> bool {
-    let (residual, jacobian) = equations.evaluate(x);
-    let Some(correction) = corrected::<S, N, SYMMETRIC>(&jacobian, residual) else { return false };
-    let (end, largest) = corrected_end(x, &correction);
-    let is_first = (largest - 1.0).abs() < 0.5;
-    if is_first {
-        *x = end;
-        convergence.begin(largest);
-    }
-    is_first
+/// The iteration of one lane where it is judged by itself.
+struct Search {
+    convergence: Convergence<f64>,
+    is_done: bool,
+    /// Whether it went astray.
+    is_lost: bool,
 }
 
-/// The iteration from `x` on, where it needs a pivot or the residuals. A call by value at the end of the
-/// caller, so that nothing in the caller's loop must leave its register.
+/// The iteration from `x` on, where a lane needs a pivot or the residuals. A call by value, and the last
+/// thing that the caller does: nothing in its loop must leave its register.
 #[cold]
 #[inline(never)]
 fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     mut x: [S; N],
-    mut convergence: Convergence,
+    mut level: S,
+    convergence: Convergence<S>,
     equations: impl Equations<S, N>,
-) -> Result<([S; N], u32), StepFailure> {
-    if convergence.iterations == 0 && x.iter().all(|x| x.magnitude() == 0.0) {
-        convergence.claim_nothing();
-    }
+) -> Result<([S; N], Effort), StepFailure> {
+    let ended = convergence.ended();
+    let mut lanes = S::Mask::by_lane(|lane| {
+        let mut convergence = convergence.lane(lane);
+        if convergence.iterations == 0 && x.iter().all(|x| x.lane(lane) == 0.0) {
+            convergence.claim_nothing();
+        }
+        Search { convergence, is_done: ended.lane(lane), is_lost: false }
+    });
+    let lanes = lanes.as_mut();
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
-        let correction = match corrected::<S, N, SYMMETRIC>(&jacobian, residual) {
-            Some(correction) => correction,
-            None => pivoted::<S, N, SYMMETRIC>(jacobian, residual)?,
-        };
-        let (end, largest) = corrected_end(&x, &correction);
-        let beyond = || beyond_in_any_lane(equations, &x, &correction, &end);
-        match convergence.judge(largest, beyond) {
-            Verdict::Converged => {
-                return Ok((end, accepted::<S, N, SYMMETRIC>(&jacobian, convergence)?.iterations));
+        let (mut correction, is_safe) = corrected::<S, N, SYMMETRIC>(&jacobian, &residual);
+        if !is_safe.all() {
+            let by_pivots = factored::<S, N, SYMMETRIC>(&jacobian, &residual);
+            for i in 0..N {
+                correction[i] = S::select(is_safe, correction[i], by_pivots[i]);
             }
-            Verdict::Contracting => x = end,
-            Verdict::Straying => {
-                let size = relatives(&correction, &end).into_iter().fold(0.0, larger);
-                return Err(explain::<N>(convergence.iterations, size, jacobian[0][0].magnitude()));
+        }
+        let (moved, largest) = corrected_end(&x, &correction);
+        let before = S::Mask::of_lanes(|lane| lanes[lane].is_done);
+        for lane in (0..S::LANES).filter(|&lane| !before.lane(lane)) {
+            let relatives =
+                || std::array::from_fn(|i| relative_to(correction[i].lane(lane), moved[i].lane(lane)));
+            let beyond_rounding = || beyond::<N>(equations.rounded(&x, lane), relatives());
+            let search = &mut lanes[lane];
+            let verdict = search.convergence.judge(largest.lane(lane), beyond_rounding);
+            search.is_done = !matches!(verdict, Verdict::Contracting);
+            search.is_lost = matches!(verdict, Verdict::Straying);
+            if search.is_lost && !const { decides_by_lane::<S>() } {
+                let size = relatives().into_iter().fold(0.0, larger);
+                return Err(explain::<S, N, SYMMETRIC>(search.convergence.iterations, size, jacobian));
             }
+        }
+        let lost = S::Mask::of_lanes(|lane| lanes[lane].is_lost);
+        for i in 0..N {
+            x[i] = S::select(before | lost, x[i], moved[i]);
+        }
+        level = S::select(before | lost, level, uprightness::<S, N, SYMMETRIC>(&jacobian));
+        if lanes.iter().all(|search| search.is_done) {
+            let iterations = lanes.iter().map(|search| search.convergence.iterations).max().unwrap_or(0);
+            let effort = accepted::<S, N, SYMMETRIC>(&mut x, level, iterations)?;
+            return Ok((x.map(|x| S::select(lost, poison(), x)), effort));
         }
     }
 }
@@ -193,43 +176,52 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
 /// `x - c`, and approximately the largest component of `c` relative to it. NaN of an unknown may be missing
 /// in the latter; no step returns it.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> ([S; N], f64) {
-    let (mut end, mut largest) = (*x, 0.0_f64);
+fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> ([S; N], S) {
+    let (mut end, mut largest) = (*x, S::from_f64(0.0));
     for i in 0..N {
         end[i] = x[i] - correction[i];
-        let size = nearly_relative(correction[i], end[i]).magnitude();
-        largest = if i > 0 && largest > size { largest } else { size };
+        let size = nearly_relative(correction[i], end[i]);
+        largest = if i == 0 { size } else { S::select(size.less(largest), largest, size) };
     }
     (end, largest)
 }
 
 /// The smallest Jacobian of one unknown: half of that of an empty step.
-pub(super) const UPRIGHT: f64 = 0.5;
+const UPRIGHT: f64 = 0.5;
 
-/// Whether the solution is the one that continues the state, as far as the Jacobian shows. For more than one
-/// unknown each correction has tested it, except that a symmetric pair with positive determinant is definite.
+/// The entry of the Jacobian that shows, if any does, whether a solution continues the state. For more than
+/// one unknown each correction has tested the determinant, and a symmetric pair with a positive one is
+/// definite if its first entry is positive.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn is_upright<S: Scalar, const N: usize, const SYMMETRIC: bool>(jacobian: &[[S; N]; N]) -> bool {
-    match N {
-        // With an infinite slope the correction is zero. With more unknowns the factorisation detects it.
-        1 => {
-            let slope = jacobian[0][0];
-            S::from_f64(UPRIGHT).less_equal(slope).all() && slope.less_equal(S::from_f64(f64::MAX)).all()
-        }
-        2 if SYMMETRIC => S::from_f64(0.0).less(jacobian[0][0]).all(),
-        _ => true,
-    }
+fn uprightness<S: Scalar, const N: usize, const SYMMETRIC: bool>(jacobian: &[[S; N]; N]) -> S {
+    if N == 1 || (N == 2 && SYMMETRIC) { jacobian[0][0] } else { S::from_f64(1.0) }
 }
 
+/// Accepts solutions with this [`uprightness`]: with an infinite slope of one unknown the correction is zero
+/// (of more unknowns the factorisation detects it), and a determinant far from that of an empty step belongs
+/// to another solution.
+///
+/// # Errors
+/// [`StepFailure`] of a single number; lanes have NaN.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn accepted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
-    jacobian: &[[S; N]; N],
-    convergence: Convergence,
+    x: &mut [S; N],
+    level: S,
+    iterations: u32,
 ) -> Result<Effort, StepFailure> {
-    match is_upright::<S, N, SYMMETRIC>(jacobian) {
-        true => Ok(Effort::fast(convergence.iterations)),
-        false => Err(turned(N > 1 || jacobian[0][0].magnitude() <= f64::MAX)),
+    let is_upright = match N {
+        1 => S::from_f64(UPRIGHT).less_equal(level) & level.less_equal(S::from_f64(f64::MAX)),
+        2 if SYMMETRIC => S::from_f64(0.0).less(level),
+        _ => S::Mask::from_bool(true),
+    };
+    if const { decides_by_lane::<S>() } {
+        for x in x.iter_mut() {
+            *x = S::select(is_upright, *x, poison());
+        }
+    } else if !is_upright.all() {
+        return Err(turned(N > 1 || level.magnitude() <= f64::MAX));
     }
+    Ok(Effort::fast(iterations))
 }
 
 #[cold]
@@ -237,78 +229,84 @@ fn turned(is_flat: bool) -> StepFailure {
     if is_flat { astray(0, f64::INFINITY) } else { StepFailure::NonFinite }
 }
 
-/// A slope of zero is the cause of the infinity that follows from it. Numbers, not the matrix: what has its
-/// address in a function is kept in memory in every iteration.
+/// Why a single number went astray. A slope of zero is the cause of the infinity that follows from it.
 #[cold]
-fn explain<const N: usize>(iterations: u32, correction: f64, pivot: f64) -> StepFailure {
-    if N == 1 && pivot < f64::EPSILON {
-        StepFailure::Singular { pivot, scale: 1.0 }
-    } else {
-        astray(iterations, correction)
-    }
+fn explain<S: Scalar, const N: usize, const SYMMETRIC: bool>(
+    iterations: u32,
+    correction: f64,
+    jacobian: [[S; N]; N],
+) -> StepFailure {
+    let pivot = jacobian[0][0].magnitude();
+    let of_matrix = match N {
+        1 => (pivot < f64::EPSILON).then_some(StepFailure::Singular { pivot, scale: 1.0 }),
+        _ => pivoted::<S, N, SYMMETRIC>(jacobian, [S::from_f64(0.0); N]).err(),
+    };
+    of_matrix.unwrap_or_else(|| astray(iterations, correction))
 }
 
-/// `J⁻¹ r`; `None` where two unknowns need pivots.
+/// `J⁻¹ r`, and where two unknowns need no pivots for it.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn corrected<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     jacobian: &[[S; N]; N],
-    residual: [S; N],
-) -> Option<[S; N]> {
+    residual: &[S; N],
+) -> ([S; N], S::Mask) {
     match N {
-        1 => Some(residual.map(|r| r / jacobian[0][0])),
-        2 => solve_pair::<S, N, SYMMETRIC>(jacobian, &residual),
-        _ => pivoted::<S, N, SYMMETRIC>(*jacobian, residual).ok(),
+        1 => (residual.map(|r| r / jacobian[0][0]), S::Mask::from_bool(true)),
+        2 => solve_pair::<S, N, SYMMETRIC>(jacobian, residual),
+        _ => (factored::<S, N, SYMMETRIC>(jacobian, residual), S::Mask::from_bool(true)),
     }
 }
 
-/// Newton's correction by a factorisation with pivots.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn pivoted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
-    jacobian: [[S; N]; N],
-    residual: [S; N],
-) -> Result<[S; N], StepFailure> {
-    if SYMMETRIC { factored_symmetric(jacobian, residual) } else { factored(jacobian, residual) }
-}
-
-/// Two unknowns by Cramer's rule; `None` for another number of them, and where the determinant is negative or
-/// cancels so far that pivoting is worth its price.
+/// Two unknowns by Cramer's rule, and where that is safe: not where the determinant is negative or cancels so
+/// far that pivoting is worth its price.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn solve_pair<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     matrix: &[[S; N]; N],
     b: &[S; N],
-) -> Option<[S; N]> {
-    if N != 2 {
-        return None;
-    }
+) -> ([S; N], S::Mask) {
     let (m00, m10, m11) = (matrix[0][0], matrix[1][0], matrix[1][1]);
     let m01 = if SYMMETRIC { m10 } else { matrix[0][1] };
     let (main, cross) = (m00 * m11, m01 * m10);
     let determinant = main - cross;
     // Also false for NaN, and where a product or the determinant overflows: the sum then does.
-    let least = S::from_f64(SAFE_DETERMINANT * (main.magnitude() + cross.magnitude()));
-    if !least.less(determinant).all() {
-        return None;
-    }
+    let is_safe = ((main.abs() + cross.abs()) * SAFE_DETERMINANT).less(determinant);
     let inverse = determinant.recip();
-    let x = [(b[0] * m11 - b[1] * m01) * inverse, (b[1] * m00 - b[0] * m10) * inverse];
-    Some(std::array::from_fn(|i| x[i]))
+    let mut x = *b;
+    x[0] = (b[0] * m11 - b[1] * m01) * inverse;
+    x[1] = (b[1] * m00 - b[0] * m10) * inverse;
+    (x, is_safe)
 }
 
-#[inline(never)]
-fn factored<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
-    upright(&Factor::new(matrix)?, b)
-}
-
+/// Newton's correction by a factorisation with pivots; NaN where there is none, or where the determinant or a
+/// symmetric matrix is not positive.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn upright<S: Scalar, const N: usize>(factor: &Factor<S, N>, b: [S; N]) -> Result<[S; N], StepFailure> {
-    if factor.is_reversed() { Err(turned(true)) } else { Ok(factor.solve(b)) }
+fn factored<S: Scalar, const N: usize, const SYMMETRIC: bool>(
+    jacobian: &[[S; N]; N],
+    residual: &[S; N],
+) -> [S; N] {
+    if const { decides_by_lane::<S>() } {
+        return if SYMMETRIC {
+            lanes::symmetric(jacobian, residual)
+        } else {
+            lanes::general::<S, N, true>(jacobian, residual)
+        };
+    }
+    pivoted::<S, N, SYMMETRIC>(*jacobian, *residual).unwrap_or([poison(); N])
 }
 
+/// [`factored`] of a single number.
+///
+/// # Errors
+/// Why there is no correction.
 #[inline(never)]
-fn factored_symmetric<S: Scalar, const N: usize>(
+fn pivoted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     matrix: [[S; N]; N],
     b: [S; N],
 ) -> Result<[S; N], StepFailure> {
+    if !SYMMETRIC {
+        let factor = Factor::new(matrix)?;
+        return if factor.is_reversed() { Err(turned(true)) } else { Ok(factor.solve(b)) };
+    }
     match SymmetricFactor::new(matrix)? {
         SymmetricFactor::General(factor) if is_definite(&matrix) => Ok(factor.solve(b)),
         SymmetricFactor::General(_) => Err(turned(true)),

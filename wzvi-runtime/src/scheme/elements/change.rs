@@ -23,10 +23,7 @@ use super::passes::{LoopBody, load, poisoned, widened};
 use super::step::LoopStep;
 use super::{Elements, QuadraturePoint, Unknowns};
 use crate::algebra::scalar::{Mask, Scalar};
-
-/// The largest negligible change, as a fraction of a rounding. A fixed point contracts at least by one half,
-/// so that another quarter is left at most.
-const UNSEEN: f64 = 0.25;
+use crate::algebra::solve::{ROUNDING, UNSEEN};
 
 /// The size of a change, in ascending order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -92,8 +89,8 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         if first.any() { first & self.changes_nothing_at(lists, 1..self.degrees()) } else { first }
     }
 
-    /// Whether the remainder of each correction is below the rounding of the state that it changes, if the
-    /// next correction is smaller by the factor `ratio` or by that of its own unknown, whichever is larger.
+    /// Whether each next correction is below the rounding of its unknown plus the state that it changes, if it
+    /// is smaller than this one by the factor `ratio` or by that of its own unknown, whichever is larger.
     /// Sizes of numbers are those by `size`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn resolves<R: Scalar>(
@@ -165,7 +162,7 @@ fn is_small<S: Scalar, R: Scalar>(
     let own = change / size(previous);
     let factor = R::select(ratio.less(own), own, ratio);
     let factor = R::select(factor.less(one), factor, one);
-    !R::from_f64(0.0).less(change * factor - (size(x) + size(state)) * f64::EPSILON)
+    !R::from_f64(0.0).less(change * factor - (size(x) + size(state)) * ROUNDING)
 }
 
 /// Whether a change of numbers whose rounding is `ε rounded` is finite and negligible.
@@ -177,7 +174,7 @@ fn unseen<S: Scalar>(change: S, rounded: S) -> S::Mask {
 /// A change above [`UNSEEN`] of the rounding `ε rounded`: rounding does not change the sign of a difference.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn beyond<R: Scalar>(change: R, rounded: R) -> R {
-    change - rounded * (UNSEEN * f64::EPSILON)
+    change - rounded * (UNSEEN * ROUNDING)
 }
 
 /// `|q + c u| + 2 |c u|`, with the sizes of numbers by `size`.
@@ -300,7 +297,7 @@ mod tests {
             changes.into_iter().for_each(|change| seen.include([change], [1.0]));
             seen.finish()
         };
-        let bound = UNSEEN * f64::EPSILON;
+        let bound = UNSEEN * ROUNDING;
         assert_eq!(after([0.0, bound, 0.0]), Change::Unseen);
         assert_eq!(after([0.0, bound * (1.0 + f64::EPSILON), bound]), Change::Seen);
         for change in [f64::INFINITY, f64::NAN] {

@@ -9,6 +9,7 @@
 
 use super::linear::LinearSolver;
 use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::{CONTRACTION, ROUNDING};
 
 /// Operations of a sweep per unknown, for the state.
 const PER_UNKNOWN: f64 = 4.0;
@@ -23,15 +24,11 @@ const SHARED: f64 = 2.0;
 /// A step of Newton's method in sweeps where the linear equations are solved by iteration: four iterations,
 /// each with ten products with the Jacobian.
 const BY_KRYLOV: f64 = 60.0;
-/// Corrections below this fraction of the largest unknown are small enough.
-const GOAL: f64 = f64::EPSILON;
 /// The first correction of most steps, which starts from an extrapolation.
 const FIRST: f64 = 1e-3;
 /// Corrections that shrink to this fraction are never replaced by others: twenty of them finish most steps,
 /// and take no longer than the recurrences of Newton's method, even for a chain.
 pub(super) const FAST: f64 = 0.2;
-/// Corrections are predicted from contractions up to this one.
-const SLOWEST: f64 = 0.5;
 
 /// The costs of the iterations, as numbers of other iterations.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,7 +54,7 @@ impl Costs {
             }
             LinearSolver::Krylov(_) => (BY_KRYLOV, 0.0),
         };
-        let slowest = [SLOWEST, 0.4, 0.3].into_iter().find(|&ratio| takes(FIRST, ratio) <= newton);
+        let slowest = [CONTRACTION, 0.4, 0.3].into_iter().find(|&ratio| takes(FIRST, ratio) <= newton);
         Self { newton, factors, slowest: slowest.unwrap_or(FAST) }
     }
 
@@ -75,11 +72,11 @@ impl Costs {
 
 /// How many more corrections are needed after one of this size, if they shrink by `ratio`.
 fn takes(relative: f64, ratio: f64) -> f64 {
-    if ratio.is_nan() || ratio > SLOWEST {
+    if ratio.is_nan() || ratio > CONTRACTION {
         return f64::INFINITY;
     }
     let (mut left, mut corrections) = (relative, 0.0);
-    while left > GOAL {
+    while left > ROUNDING {
         left *= ratio;
         corrections += 1.0;
     }

@@ -21,7 +21,7 @@ use crate::ground::numbers::{Numbers, Tape};
 
 /// Excess Jacobian products with incomplete factors before complete ones replace them: about the cost of
 /// complete factors.
-pub(super) const PATIENCE: u32 = 128;
+pub(super) const EXCESS_PRODUCTS: u32 = 128;
 /// Cost of a solution with complete factors, in Jacobian products.
 const A_SOLUTION: u32 = 4;
 
@@ -160,7 +160,7 @@ impl<S: Scalar> FactorCache<S> {
 
     /// Whether the excess products of incomplete factors cost as much as complete factors.
     pub(super) fn wants_all(&self) -> bool {
-        self.vain >= u64::from(PATIENCE - A_SOLUTION)
+        self.vain >= u64::from(EXCESS_PRODUCTS - A_SOLUTION)
     }
 
     /// Records a successful Newton step; `cost` is that of new factors, in the units of `taken`.

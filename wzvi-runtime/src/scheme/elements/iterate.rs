@@ -11,13 +11,11 @@ use super::rounding::variation;
 use super::step::LoopStep;
 use super::{Elements, Iteration, LoopMemory, Quadrature};
 use crate::algebra::scalar::{Mask, Scalar};
-use crate::algebra::solve::{Effort, astray};
+use crate::algebra::solve::{CONTRACTION, Effort, astray};
 use crate::algebra::state_sum::StateSum;
 use crate::error::StepFailure;
 use crate::scheme::system::StepArguments;
 
-/// Corrections below this fraction of the largest unknown change nothing.
-pub(super) const ROUNDING: f64 = f64::EPSILON;
 /// Residual of linear equations solved by iteration: each Newton iteration gains three digits.
 const FORCING: f64 = 1e-3;
 /// Corrections below this fraction of the largest unknown are not worth a factorisation: a tuning parameter.
@@ -441,7 +439,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
                 return Ok(true);
             }
             // Rounding may have dominated the previous correction.
-            settles = beyond < 0.5 * if iteration.is_beyond { last } else { last.max(relative) };
+            settles = beyond < CONTRACTION * if iteration.is_beyond { last } else { last.max(relative) };
             if settles {
                 (iteration.is_beyond, relative) = (true, beyond);
             }
@@ -475,9 +473,9 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         Ok(false)
     }
 
-    /// Whether the remaining error is at rounding: by the contraction if that is known or, for the fixed
-    /// point, by the change of the points of evaluation. The criterion is the same at all system sizes,
-    /// whichever test is cheaper.
+    /// Whether the remaining error is at rounding: by the contraction of the largest correction, if each one
+    /// confirms it ([`LoopStep::resolves`]), or, for the fixed point, by the change of the points of
+    /// evaluation. The criterion is the same at all system sizes, whichever test is cheaper.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_resolved(
         self,
@@ -497,5 +495,5 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
 fn varies<S: Scalar>(scratch: &LoopScratch<'_, S>, iteration: &mut IterationState<S>) -> bool {
     let variation = variation(scratch.lists.x, scratch.lists.correction);
     let before = std::mem::replace(&mut iteration.variation, variation);
-    size_of::<S>() != size_of::<f64>() && variation < 0.5 * before
+    size_of::<S>() != size_of::<f64>() && variation < CONTRACTION * before
 }

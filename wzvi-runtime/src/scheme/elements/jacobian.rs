@@ -1,7 +1,7 @@
 //! The Jacobian `I - φ'` of a step, entry by entry: for factors, for products with vectors, or as a sparsity
 //! pattern.
 
-use super::factor_cache::PATIENCE;
+use super::factor_cache::EXCESS_PRODUCTS;
 use super::linear::{KrylovSolver, LinearSolver};
 use super::memory::{StepLists, StepScratch};
 use super::passes::largest;
@@ -165,7 +165,8 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
                 multiply(correction, inverse);
                 // Incomplete factors get fewer cycles before complete ones replace them.
                 let most = Krylov::<S>::MOST_CYCLES;
-                let most_cycles = if *all { most } else { most.min(PATIENCE / Krylov::<S>::BASIS as u32) };
+                let most_cycles =
+                    if *all { most } else { most.min(EXCESS_PRODUCTS / Krylov::<S>::BASIS as u32) };
                 let stages = lists.lend();
                 let operator = &mut Operator {
                     product: &mut |x: &[S], y: &mut [S]| {

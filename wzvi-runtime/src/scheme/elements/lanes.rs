@@ -5,13 +5,13 @@
 //! that contracts, all go alone in this step.
 
 use super::costs::{Costs, FAST};
-use super::iterate::{IterationState, NEARLY_SOLVED, ROUNDING};
+use super::iterate::{IterationState, NEARLY_SOLVED};
 use super::memory::StepLists;
 use super::pairs::LEAST_IN_COLUMNS;
 use super::step::LoopStep;
 use super::{Elements, Quadrature, Unknowns};
 use crate::algebra::scalar::{Mask, Scalar};
-use crate::algebra::solve::astray;
+use crate::algebra::solve::{Contraction, ROUNDING, UNSEEN, astray};
 use crate::error::StepFailure;
 use crate::scheme::plan::Facts;
 
@@ -32,48 +32,46 @@ pub(super) const fn is_in_lanes<S: Scalar>() -> bool {
     S::LANES_ARE_PATHS && S::LANES > 1
 }
 
-/// The size of a correction, relative to the largest unknown, and its ratio to the one before.
+/// A correction relative to the largest unknown, and what it says together with the one before.
 #[derive(Clone, Copy)]
 pub(super) struct ConvergenceRate<R: Scalar> {
     relative: R,
     ratio: R,
-    is_second: R::Mask,
+    contraction: Contraction<R>,
 }
 
 impl<R: Scalar> ConvergenceRate<R> {
     /// From the last two corrections; the one before the first is infinite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of(relative: R, last: R) -> Self {
-        Self { relative, ratio: relative / last, is_second: last.less(R::from_f64(f64::INFINITY)) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn predicts(self) -> R::Mask {
-        self.is_second & self.ratio.less(R::from_f64(0.5))
+        let zero = R::from_f64(0.0);
+        let last = R::select(last.less(R::from_f64(f64::INFINITY)), last, zero);
+        let contraction = Contraction::new(relative, last);
+        Self { relative, ratio: contraction.ratio(), contraction }
     }
 
     /// The ratio of the next correction to this one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn expected(self) -> R {
-        R::select(self.predicts(), self.ratio, R::from_f64(1.0))
+        R::select(self.contraction.contracts(), self.ratio, R::from_f64(1.0))
     }
 
-    /// Whether this correction or the next one changes nothing.
+    /// Whether this correction or the next one is at the rounding of the largest unknown, so that it is worth
+    /// looking at each ([`LoopStep::resolves`]).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn is_enough(self) -> R::Mask {
-        let next = (self.relative * self.ratio).less_equal(R::from_f64(0.25 * ROUNDING));
-        self.relative.less_equal(R::from_f64(ROUNDING)) | (self.predicts() & next)
+        self.relative.less_equal(R::from_f64(ROUNDING)) | self.contraction.leaves_unseen(UNSEEN)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn stagnates(self) -> R::Mask {
-        self.is_second & R::from_f64(0.5).less(self.ratio)
+        self.contraction.stagnates()
     }
 
     /// Whether other corrections are worth their cost.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn needs_more(self, is_newton: bool, costs: Costs) -> R::Mask {
-        let is_slow = self.is_second & R::from_f64(FAST).less(self.ratio);
+        let is_slow = self.contraction.is_second() & R::from_f64(FAST).less(self.ratio);
         let is_open = is_slow & R::from_f64(NEARLY_SOLVED).less(self.relative);
         if is_open.any() {
             let Self { relative, ratio, .. } = self;

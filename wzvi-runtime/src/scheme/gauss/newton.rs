@@ -11,9 +11,9 @@ use super::memory::{
     GaussHistoryOf, KnownDerivatives, RoundedScratchOf, StageLists, SweepScratchOf as Scratch,
 };
 use super::stages::Stages;
-use super::sweep::{StepOutcome, UNSEEN};
+use super::sweep::StepOutcome;
 use crate::algebra::scalar::{ComputesWith, Constant, Dual, Mask, Parameters, Scalar};
-use crate::algebra::solve::{Banded, NewtonScratch, Problem, damped};
+use crate::algebra::solve::{Banded, NewtonScratch, Problem, UNSEEN_IN_STAGES, damped};
 use crate::error::StepFailure;
 use crate::scheme::elements::PairColumns;
 
@@ -317,7 +317,7 @@ impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> Problem
     type Number = S;
     type Vector = Vec<S>;
     // The remaining error of the stages is not random as rounding is.
-    const UNSEEN: f64 = UNSEEN;
+    const UNSEEN: f64 = UNSEEN_IN_STAGES;
 
     fn residual(&mut self, x: &Vec<S>, into: &mut Vec<S>) {
         self.jacobian.point.clone_from(x);

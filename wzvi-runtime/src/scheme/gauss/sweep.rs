@@ -8,34 +8,22 @@ use super::stages::{StagePack, Stages};
 use super::stiff::ModalStages;
 use crate::algebra::memory::Iteration;
 use crate::algebra::scalar::{ComputesWith, Constant, Mask, Parameters, Rounded, Scalar};
-use crate::algebra::solve::Effort;
+use crate::algebra::solve::{
+    CAREFUL_CONTRACTION, CONTRACTION, Contraction, DOUBTFUL, Effort, ROUNDING, SETTLED_STAGES,
+    UNSEEN_IN_STAGES, WILD, nearly_over,
+};
 use crate::error::StepFailure;
 
 /// The most sweeps: more than the slowest contraction that goes on takes to rounding, `ln ε / ln 0.8 = 162`.
 const MOST_SWEEPS: u32 = 200;
-/// A sweep whose relative change exceeds this, and half of that of the sweep before, may lead to another
-/// solution.
-const WILD: f64 = 1.0 / 16.0;
-/// With care, this and a quarter of that before: a map that contracts all distances to a quarter has one
-/// fixed point, within a third of the first change.
-const DOUBTFUL: f64 = 1.0 / 4096.0;
 /// Sweeps before their contraction is judged: the first ones need not contract.
-const PATIENCE: u32 = 6;
+const UNJUDGED: u32 = 6;
 /// If two sweeps leave at most this fraction of the change, they take fewer operations than Newton's method,
 /// whatever the system.
 const FAST: f64 = 0.36;
 /// A sweep that leaves more than this fraction of the change may show only rounding: sweeps that go on
 /// contract faster.
 const STALLED: f64 = 0.81;
-/// Relative changes below this are rounding.
-const ROUNDING: f64 = f64::EPSILON;
-/// A sweep that changes no more than this is the last, whatever the contraction.
-const SMALL: f64 = 0.0005 * ROUNDING;
-
-/// The change that the next sweep may still make, in units of rounding. It is not random as rounding is, and
-/// so adds up over many steps. (With a fiftieth the energy of a Kepler orbit drifts by as much in each step;
-/// with this it walks at random.)
-pub(super) const UNSEEN: f64 = 1e-6;
 
 /// How a step was solved.
 pub(super) struct StepOutcome<S: Scalar> {
@@ -68,7 +56,7 @@ impl<S: Scalar, const N: usize> RelativeChange<'_, S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn include(&mut self, half: usize, d: usize, old: StagePack<S, N>, new: StagePack<S, N>) {
         let start = S::Stages::<N>::same(self.start[half][d]);
-        let relative = (new - old).nearly_over(new.abs() + start.abs());
+        let relative = nearly_over(new - old, new.abs() + start.abs());
         self.changes = Scalar::select(relative.less(self.changes), self.changes, relative);
     }
 }
@@ -124,20 +112,20 @@ impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> StepEquations<'_
                 }
             }
             let [last, before_last, ..] = past;
-            let contracts = change.less(last * 0.5);
             if sweeps > 1 {
-                let (far, ratio) = if CAREFUL { (DOUBTFUL, 0.25) } else { (WILD, 0.5) };
+                let (far, ratio) =
+                    if CAREFUL { (DOUBTFUL, CAREFUL_CONTRACTION) } else { (WILD, CONTRACTION) };
                 let grows = S::from_f64(far).less(change) & !change.less(last * ratio);
                 are_wild = are_wild | (going & grows);
                 if !CAREFUL {
                     going = going & !grows;
                 }
             }
-            let is_small = change.less_equal(S::from_f64(SMALL))
-                | (contracts & (change * change).less_equal(last * (UNSEEN * ROUNDING)));
+            let is_small = change.less_equal(S::from_f64(SETTLED_STAGES * ROUNDING))
+                | Contraction::new(change, last).leaves_unseen(UNSEEN_IN_STAGES);
             let mut settle = going & is_small;
             let mut is_over = S::Mask::from_bool(sweeps == MOST_SWEEPS);
-            if sweeps >= PATIENCE {
+            if sweeps >= UNJUDGED {
                 // False for NaN, which further sweeps cannot make finite.
                 let is_fast = change.less_equal(before_last * FAST);
                 let is_slow = going & !is_small & !is_fast;
@@ -265,7 +253,7 @@ impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> StepEquations<'_
     }
 }
 
-/// The number, or infinity if it is the largest finite one, at which [`Scalar::nearly_over`] saturates.
+/// The number, or infinity if it is the largest finite one, at which [`nearly_over`] saturates.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn unbounded<S: Scalar>(change: S) -> S {
     S::select(change.less(S::from_f64(f64::MAX)), change, S::from_f64(f64::INFINITY))
