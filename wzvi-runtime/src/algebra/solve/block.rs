@@ -3,7 +3,7 @@
 
 use std::marker::PhantomData;
 
-use super::dense::linear;
+use super::dense::{Solver, set_derivatives};
 use super::effort::Effort;
 use super::newton::{Equations, newton, solve_pair};
 use crate::algebra::scalar::{ComputesWith, Constant, Mask, Rounded, Scalar};
@@ -81,36 +81,38 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
                 matrix[i][j] = jacobian[i_given][j_given].value();
             }
         }
+        let solver = if is_small(&matrix) { None } else { Some(Solver::new(matrix)?) };
         for number in 0..S::DERIVATIVES {
             let mut side = [S::Value::from_f64(0.0); N];
             for i in 0..N {
                 side[i] = -residual[i].derivative(number);
             }
-            let slopes = solve_linear(&matrix, side)?;
-            for i in 0..N {
-                x[i].set_derivative(number, slopes[i]);
-            }
+            let slopes = match &solver {
+                Some(solver) => solver.solve(side),
+                None => solve_small(&matrix, side),
+            };
+            set_derivatives(x, number, slopes);
         }
         Ok(effort)
     }
 }
 
+/// Whether [`solve_small`] solves with this matrix: for one unknown, and for two by Cramer's rule where that
+/// is safe. In lanes, each path would take the latter or not on account of the others.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn is_small<S: Scalar, const N: usize>(matrix: &[[S; N]; N]) -> bool {
+    N == 1 || (N == 2 && !S::LANES_ARE_PATHS && solve_pair::<S, N, false>(matrix, &matrix[0]).1.all())
+}
+
 /// `A⁻¹ b`
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn solve_linear<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
+fn solve_small<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: [S; N]) -> [S; N] {
     if N == 1 {
         let mut x = b;
         x[0] = b[0] / matrix[0][0];
-        return Ok(x);
+        return x;
     }
-    // In lanes, each path would take it or not on account of the others.
-    if N == 2 && !S::LANES_ARE_PATHS {
-        let (x, is_safe) = solve_pair::<S, N, false>(matrix, &b);
-        if is_safe.all() {
-            return Ok(x);
-        }
-    }
-    linear(*matrix, b)
+    solve_pair::<S, N, false>(matrix, &b).0
 }
 
 /// A block with its inputs.

@@ -56,12 +56,9 @@ fn unusable(pivot: f64) -> StepFailure {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
     if const { S::DERIVATIVES > 0 } {
-        linear_with_derivatives(matrix, b)
-    } else if const { decides_by_lane::<S>() } {
-        Ok(lanes::general::<S, N, false>(&matrix, &b))
-    } else {
-        Ok(Factor::new(matrix)?.solve(b))
+        return linear_with_derivatives(matrix, b);
     }
+    Ok(Solver::new(matrix)?.solve(b))
 }
 
 /// `x' = A⁻¹ (b' - A' x)`
@@ -70,8 +67,8 @@ fn linear_with_derivatives<S: Scalar, const N: usize>(
     matrix: [[S; N]; N],
     b: [S; N],
 ) -> Result<[S; N], StepFailure> {
-    let values = matrix.map(|row| row.map(S::value));
-    let solution = linear(values, b.map(S::value))?;
+    let solver = Solver::new(matrix.map(|row| row.map(S::value)))?;
+    let solution = solver.solve(b.map(S::value));
     let mut x = solution.map(S::of_value);
     for number in 0..S::DERIVATIVES {
         let mut side = b.map(|b| b.derivative(number));
@@ -80,12 +77,51 @@ fn linear_with_derivatives<S: Scalar, const N: usize>(
                 side[i] = side[i] - matrix[i][j].derivative(number) * solution[j];
             }
         }
-        let slopes = linear(values, side)?;
-        for i in 0..N {
-            x[i].set_derivative(number, slopes[i]);
-        }
+        set_derivatives(&mut x, number, solver.solve(side));
     }
     Ok(x)
+}
+
+/// Sets one derivative of each number.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn set_derivatives<S: Scalar, const N: usize>(
+    x: &mut [S; N],
+    number: usize,
+    derivatives: [S::Value; N],
+) {
+    for i in 0..N {
+        x[i].set_derivative(number, derivatives[i]);
+    }
+}
+
+/// `A⁻¹` for several right-hand sides.
+pub(super) enum Solver<S, const N: usize> {
+    /// The matrix is factored once.
+    Factored(Factor<S, N>),
+    /// Lanes have pivots of their own, which are found again for each side.
+    ByLane([[S; N]; N]),
+}
+
+impl<S: Scalar, const N: usize> Solver<S, N> {
+    /// # Errors
+    /// The errors of [`Factor::new`]. In lanes, solutions of paths without one are NaN instead.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn new(matrix: [[S; N]; N]) -> Result<Self, StepFailure> {
+        if const { decides_by_lane::<S>() } {
+            Ok(Self::ByLane(matrix))
+        } else {
+            Factor::new(matrix).map(Self::Factored)
+        }
+    }
+
+    /// `A⁻¹ b`
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn solve(&self, b: [S; N]) -> [S; N] {
+        match self {
+            Self::Factored(factor) => factor.solve(b),
+            Self::ByLane(matrix) => lanes::general::<S, N, false>(matrix, &b),
+        }
+    }
 }
 
 /// A matrix that cannot be factored once for all steps is an error of the configuration, not of a step.
