@@ -58,25 +58,48 @@ impl Dependencies {
         (feedback, assigned)
     }
 
+    /// The fewest unknowns without which a component has no cycle; of several such sets, the one that leaves
+    /// the cheapest equations to be assigned. `forced` read themselves, and belong to each set.
     fn smallest_feedback(&self, component: &[usize], forced: &[usize], free: &[usize]) -> Vec<usize> {
-        let mut best: Option<(usize, u32, Vec<usize>)> = None;
-        for candidate in candidates(free, self.reads.len() / 2) {
-            let mut feedback: Vec<usize> = forced.iter().chain(&candidate).copied().collect();
-            feedback.sort_unstable();
-            if best.as_ref().is_some_and(|(size, ..)| *size < feedback.len()) {
-                continue;
-            }
-            let assigned = component.iter().filter(|vertex| !feedback.contains(vertex));
-            let assigned_cost = assigned.map(|&vertex| self.cost[vertex]).sum();
-            let key = (feedback.len(), assigned_cost);
-            if best.as_ref().is_some_and(|(size, cost, _)| (*size, *cost) <= key) {
-                continue;
-            }
-            if self.order_without(component, &feedback).is_some() {
-                best = Some((key.0, key.1, feedback));
-            }
-        }
-        best.map_or_else(|| component.to_vec(), |(_, _, feedback)| feedback)
+        let chosen = match free.len() <= EXHAUSTIVE {
+            true => self.smallest_subset(free),
+            false => self.natural_subset(component, forced, free),
+        };
+        let mut feedback = [forced, &chosen].concat();
+        feedback.sort_unstable();
+        feedback
+    }
+
+    /// The smallest subset of `free` that breaks every cycle among these, by trying all: subset `bits` has
+    /// `free[i]` if bit `i` is set.
+    fn smallest_subset(&self, free: &[usize]) -> Vec<usize> {
+        let masks = free.iter().map(|&vertex| {
+            let is_read = |&at: &usize| self.reads[vertex].contains(&free[at]);
+            (0..free.len()).filter(is_read).fold(0, |mask, at| mask | 1 << at)
+        });
+        let masks: Vec<usize> = masks.collect();
+        let members = |bits: usize| (0..free.len()).filter(move |at| bits >> at & 1 == 1);
+        let all = (1 << free.len()) - 1;
+        let assigned_cost = |bits: &usize| members(all & !bits).map(|at| self.cost[free[at]]).sum::<u32>();
+        let of_size = |size: u32| {
+            let sets = (0..=all).filter(move |bits: &usize| bits.count_ones() == size);
+            sets.filter(|bits| is_acyclic(&masks, all & !bits)).min_by_key(assigned_cost)
+        };
+        let smallest = (0..=free.len() as u32).find_map(of_size);
+        members(smallest.unwrap_or(all)).map(|at| free[at]).collect()
+    }
+
+    /// The smallest of the halves of `free`, none and all, that breaks every cycle.
+    fn natural_subset(&self, component: &[usize], forced: &[usize], free: &[usize]) -> Vec<usize> {
+        let degrees = self.reads.len() / 2;
+        let (coordinates, momenta): (Vec<usize>, Vec<usize>) = free.iter().partition(|&&v| v < degrees);
+        let natural = [Vec::new(), momenta, coordinates, free.to_vec()].into_iter();
+        let sets = natural.filter(|set| self.order_without(component, &[forced, set].concat()).is_some());
+        let smallest = sets.min_by_key(|set| {
+            let assigned = free.iter().filter(|vertex| !set.contains(vertex));
+            (set.len(), assigned.map(|&vertex| self.cost[vertex]).sum::<u32>())
+        });
+        smallest.unwrap_or_else(|| free.to_vec())
     }
 
     /// The vertices of `component` outside `feedback`, each after those that it reads; `None` if they have a
@@ -94,18 +117,22 @@ impl Dependencies {
     }
 }
 
-/// Subsets of `free` by increasing size, or the natural ones where there are too many.
-fn candidates(free: &[usize], degrees: usize) -> Vec<Vec<usize>> {
-    if free.len() <= EXHAUSTIVE {
-        let mut subsets: Vec<Vec<usize>> = (0..1usize << free.len())
-            .map(|bits| (0..free.len()).filter(|i| bits >> i & 1 == 1).map(|i| free[i]).collect())
-            .collect();
-        subsets.sort_by_key(Vec::len);
-        return subsets;
+/// Whether the vertices in the set `left` have no cycle, where `masks[i]` is the set of those that `i` reads.
+fn is_acyclic(masks: &[usize], mut left: usize) -> bool {
+    while left != 0 {
+        // What reads nothing that is left is on no cycle.
+        let mut ready = 0;
+        for (at, mask) in masks.iter().enumerate() {
+            if left >> at & 1 == 1 && mask & left == 0 {
+                ready |= 1 << at;
+            }
+        }
+        if ready == 0 {
+            return false;
+        }
+        left &= !ready;
     }
-    let coordinates = free.iter().copied().filter(|&v| v < degrees).collect();
-    let momenta = free.iter().copied().filter(|&v| v >= degrees).collect();
-    vec![Vec::new(), momenta, coordinates, free.to_vec()]
+    true
 }
 
 /// The number of nodes, with transcendental functions and roots weighted higher.
