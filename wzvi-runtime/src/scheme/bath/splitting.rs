@@ -17,7 +17,9 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state_sum::{self, PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure, wrong};
 use crate::scheme::compose::flows::KickDriftFlows;
-use crate::scheme::compose::stages::{self, Act, SplittingLists, Stage, StageList};
+use crate::scheme::compose::stages::{
+    self, Act, SplittingLists, SplittingMemory, Stage, StageList, StepParts,
+};
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::tiled::{TiledInput, TiledMemory, least_scalar, takes_tiles};
 use crate::scheme::elements::{Elements, NewState, check_new};
@@ -108,7 +110,7 @@ where
     type Prepared<K: Constant> = SplittingConstants<ConstantsIn<F::Parameters, K>, K>;
     /// The memory of the O parts, then the memory of the flows: the other way round a step of three degrees
     /// of freedom takes 4 % longer.
-    type Memory<S: Scalar> = (part::BathMemory<S>, stages::SplittingMemory<S, F::Shape>);
+    type Memory<S: Scalar> = (part::BathMemory<S>, SplittingMemory<S, F::Shape>);
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = PlainSum;
 
@@ -209,9 +211,8 @@ where
         let SplittingConstants { parameters, stretch, .. } = prepared;
         let flows = KickDriftFlows { system, parameters, along: &None, t, h, stretch: *stretch };
         let mut word = WithParts { flows, parts, heat: S::from_f64(0.0) };
-        let take = |stage: &_, rooms: &mut _, memory: &mut _| word.take_part::<C>(stage, rooms, memory);
-        let effort =
-            stages::take_parts(system, take, list, [q.list(), p.list()], &dw[..noises], memory, carry)?;
+        let state = [q.list(), p.list()];
+        let effort = stages::take_parts(system, &mut word, list, state, &dw[..noises], memory, carry)?;
         bath.heat = word.heat;
         Ok(effort)
     }
@@ -272,21 +273,17 @@ struct WithParts<'m, F: Field, K: Constant, S> {
     heat: S,
 }
 
-impl<F: Field, K: Constant, S: ComputesWith<K>> WithParts<'_, F, K, S> {
-    /// Moves the state by a part of a step.
-    ///
-    /// # Errors
-    /// [`StepFailure::Bath`] where friction is negative.
+impl<F: Field, K: Constant, S: ComputesWith<K>> StepParts<S, F::Shape, Act> for WithParts<'_, F, K, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_part<C: StateSum<S>>(
         &mut self,
         stage: &Stage<Act>,
-        rooms: &mut SplittingLists<S, F::Shape>,
-        memory: &mut stages::SplittingMemory<S, F::Shape>,
+        lists: &mut SplittingLists<S, F::Shape>,
+        memory: &mut SplittingMemory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
-        let [q, p, _, lost_p, ..] = rooms.0.each_mut().map(AsMut::as_mut);
+        let [q, p, _, lost_p, ..] = lists.0.each_mut().map(AsMut::as_mut);
         let (part, drift) = match stage.act {
-            Act::Flow(_) | Act::Square(_) => return self.flows.take_part::<S, C>(stage, rooms, memory),
+            Act::Flow(_) | Act::Square(_) => return self.flows.take_part::<C>(stage, lists, memory),
             Act::Relax(part) => (part, None),
             Act::RelaxBetween(part) => (part, Some(self.flows.h * (self.flows.stretch * stage.weight))),
         };

@@ -18,7 +18,7 @@ use super::Composes;
 use super::gradient::KickInput;
 use super::lagrangian::{self, SequenceEnd};
 use super::stages::{
-    Act, ForceTime, SplittingLists, SplittingMemory, Stage, StageList, add, follow, take_parts,
+    Act, ForceTime, SplittingLists, SplittingMemory, Stage, StageList, StepParts, add, follow, take_parts,
 };
 use super::substeps::{Half, Substeps, kept_energy, plan};
 use super::tiled::{TiledInput, least_scalar, takes_tiles};
@@ -110,10 +110,9 @@ where
             taken.store(q, p, carry);
             return Ok(Effort::fast(0));
         }
-        let flows =
+        let mut flows =
             KickDriftFlows::<_, _, SQUARES> { system, parameters, along, t, h, stretch: K::from_f64(1.0) };
-        let take = |stage: &_, rooms: &mut _, memory: &mut _| flows.take_part::<S, C>(stage, rooms, memory);
-        take_parts(system, take, stages, [q.list(), p.list()], dw, memory, carry)
+        take_parts(system, &mut flows, stages, [q.list(), p.list()], dw, memory, carry)
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
@@ -154,16 +153,17 @@ impl<F: Field, K: Constant, const SQUARES: bool> Clone for KickDriftFlows<'_, F,
 
 impl<F: Field, K: Constant, const SQUARES: bool> Copy for KickDriftFlows<'_, F, K, SQUARES> {}
 
-impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARES> {
-    /// Moves the state by a part of a step. None of these parts fails.
+impl<F: Field, K: Constant, S: ComputesWith<K>, const SQUARES: bool> StepParts<S, F::Shape, Act>
+    for KickDriftFlows<'_, F, K, SQUARES>
+{
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn take_part<S: ComputesWith<K>, C: StateSum<S>>(
-        &self,
+    fn take_part<C: StateSum<S>>(
+        &mut self,
         stage: &Stage<Act>,
-        rooms: &mut SplittingLists<S, F::Shape>,
+        SplittingLists(lists): &mut SplittingLists<S, F::Shape>,
         memory: &mut SplittingMemory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
-        let [q, p, lost_q, lost_p, force, velocity] = &mut rooms.0;
+        let [q, p, lost_q, lost_p, force, velocity] = lists;
         let (t, h) = (self.t + self.h * stage.node, self.h * (self.stretch * stage.share));
         match stage.act {
             Act::Flow(Half::First) => {
@@ -190,7 +190,9 @@ impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARE
         }
         Ok(())
     }
+}
 
+impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARES> {
     /// Loops add to each place in turn, and need no separate list of derivatives.
     const IN_PLACE: bool = !F::Shape::IS_FIXED;
 
@@ -283,7 +285,7 @@ impl<F: Field, const SQUARES: bool> KickDriftFlows<'_, F, f64, SQUARES> {
     /// `-b V(q) + c |V'(q)|²`. The weights of each kind sum to 1, so that `T = F(q_0, ·) - V(q_0)` and
     /// `V = F(·, p_0) - T(p_0)` sum to values of `F`, less `F(q_0, p_0)`.
     fn follow(
-        self,
+        mut self,
         stages: &[Stage<Act>],
         segment: &Segment<F::Vector>,
         dw: &[f64],
@@ -295,16 +297,16 @@ impl<F: Field, const SQUARES: bool> KickDriftFlows<'_, F, f64, SQUARES> {
             let noises = dw.iter().zip(1..).map(|(dw, term)| dw * system.evaluate(term, q, p, t));
             h * system.evaluate(0, q, p, t) + noises.sum::<f64>()
         };
-        let take =
-            |stage: &_, rooms: &mut _, memory: &mut _| self.take_part::<f64, PlainSum>(stage, rooms, memory);
-        let mut followed = follow(take, stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
-            Act::Flow(Half::First) => {
-                let moved: f64 =
-                    p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
-                moved - stage.weight * value(q0, p, t)
-            }
-            _ => self.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h),
-        })?;
+        let flows = self;
+        let mut followed =
+            follow(&mut self, stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
+                Act::Flow(Half::First) => {
+                    let moved: f64 =
+                        p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
+                    moved - stage.weight * value(q0, p, t)
+                }
+                _ => flows.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h),
+            })?;
         followed.action += value(q0, p0, t);
         Some(followed)
     }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use super::Composes;
 use super::lagrangian::{self, SequenceEnd};
 use super::linear::LinearFlow;
-use super::stages::{SplittingLists, SplittingMemory, Stage, StageList, add, follow, take_parts};
+use super::stages::{SplittingLists, SplittingMemory, Stage, StageList, StepParts, add, follow, take_parts};
 use super::substeps::{Half, Substep, Substeps, plan};
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
@@ -165,11 +165,8 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<Substeps<E, T
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let StepArguments { t, h, q, p, dw } = at.lists().shared();
-        let flows = TwoPartFlows::<F, S> { system, parameters: S::varied(parameters), t, h };
-        let take = |stage: &_, rooms: &mut _, memory: &mut SplittingMemory<_, _>| {
-            flows.take_part::<K, C>(stage, rooms, &mut memory.columns)
-        };
-        take_parts(system, take, &stages.0, [q, p], dw, memory, carry)
+        let mut flows = TwoPartFlows::<F, S> { system, parameters: S::varied(parameters), t, h };
+        take_parts(system, &mut flows, &stages.0, [q, p], dw, memory, carry)
     }
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral
@@ -208,11 +205,8 @@ impl<E, T, W: Composes<E, T>> PartFlows<Substeps<E, T, W>> {
                 Act::Map(map) => map.action(before, [q, p]),
             }
         };
-        let flows = TwoPartFlows { system, parameters: &[], t, h };
-        let take = |stage: &_, rooms: &mut _, memory: &mut SplittingMemory<_, _>| {
-            flows.take_part::<f64, PlainSum>(stage, rooms, &mut memory.columns)
-        };
-        follow(take, &stages, segment, dw, action)
+        let mut flows = TwoPartFlows { system, parameters: &[], t, h };
+        follow(&mut flows, &stages, segment, dw, action)
     }
 }
 
@@ -224,20 +218,16 @@ struct TwoPartFlows<'a, F, S: Scalar> {
     h: S::Constant,
 }
 
-impl<F: Elements, S: Scalar> TwoPartFlows<'_, F, S> {
-    /// Moves the state by a part of a step. None of these parts fails.
+impl<F: Elements, K: Constant, S: ComputesWith<K>> StepParts<S, F::Shape, Act<K>> for TwoPartFlows<'_, F, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take_part<K: Constant, C: StateSum<S>>(
-        &self,
+    fn take_part<C: StateSum<S>>(
+        &mut self,
         stage: &Stage<Act<K>>,
-        rooms: &mut SplittingLists<S, F::Shape>,
-        columns: &mut PairColumns,
-    ) -> Result<(), StepFailure>
-    where
-        S: ComputesWith<K>,
-    {
-        let &Self { system, parameters, t, h } = self;
-        let [q, p, lost_q, lost_p, force, velocity] = rooms.0.each_mut().map(AsMut::as_mut);
+        SplittingLists(lists): &mut SplittingLists<S, F::Shape>,
+        SplittingMemory { columns, .. }: &mut SplittingMemory<S, F::Shape>,
+    ) -> Result<(), StepFailure> {
+        let &mut Self { system, parameters, t, h } = self;
+        let [q, p, lost_q, lost_p, force, velocity] = lists.each_mut().map(AsMut::as_mut);
         let (t, h) = (h * stage.node + t, h * stage.weight);
         match &stage.act {
             Act::Kick(half) => {

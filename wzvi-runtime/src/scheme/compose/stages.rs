@@ -9,7 +9,7 @@ use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
-use crate::algebra::state_sum::StateSum;
+use crate::algebra::state_sum::{PlainSum, StateSum};
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::{PairColumns, are_finite};
@@ -280,19 +280,31 @@ impl<S: Scalar, H: Shape> SplittingMemory<S, H> {
     }
 }
 
-/// Takes all parts of a step: `take` moves the state in the rooms by one part, with the noise increments of
-/// that part in the memory. On `Err`, `q`, `p` and `carry` are as they were.
+/// The flows of the parts of a step, and the O parts if there are any.
+///
+/// Not a closure: one that is called in several places is compiled without the vector instructions of its
+/// callers.
+pub(crate) trait StepParts<S: Scalar, H: Shape, A> {
+    /// Moves the state in the lists by a part of a step, with the noise increments of that part in the memory.
+    ///
+    /// # Errors
+    /// [`StepFailure::Bath`] where friction is negative.
+    fn take_part<C: StateSum<S>>(
+        &mut self,
+        stage: &Stage<A>,
+        lists: &mut SplittingLists<S, H>,
+        memory: &mut SplittingMemory<S, H>,
+    ) -> Result<(), StepFailure>;
+}
+
+/// Takes all parts of a step. On `Err`, `q`, `p` and `carry` are as they were.
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`], the failure of a part, or that of sizes that do not fit.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, A>(
     system: &impl Hamiltonian,
-    mut take: impl FnMut(
-        &Stage<A>,
-        &mut SplittingLists<S, H>,
-        &mut SplittingMemory<S, H>,
-    ) -> Result<(), StepFailure>,
+    flows: &mut impl StepParts<S, H, A>,
     stages: &[Stage<A>],
     [q, p]: [&mut [S]; 2],
     dw: &[S],
@@ -320,7 +332,7 @@ pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, A>(
         for (scaled, dw) in memory.dw.iter_mut().zip(dw) {
             *scaled = *dw * stage.share;
         }
-        taken_all = take(stage, &mut rooms, memory);
+        taken_all = flows.take_part::<C>(stage, &mut rooms, memory);
         if taken_all.is_err() {
             break;
         }
@@ -342,11 +354,7 @@ pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, A>(
 /// The state to which the parts lead from the start of a segment, and the sum of their discrete Lagrangians.
 /// `action_of` gives that of one part from the states before and after it. `None` if a part fails.
 pub(crate) fn follow<V: Vector, H: Shape, A>(
-    mut take: impl FnMut(
-        &Stage<A>,
-        &mut SplittingLists<f64, H>,
-        &mut SplittingMemory<f64, H>,
-    ) -> Result<(), StepFailure>,
+    flows: &mut impl StepParts<f64, H, A>,
     stages: &[Stage<A>],
     segment: &Segment<V>,
     dw: &[f64],
@@ -362,7 +370,7 @@ pub(crate) fn follow<V: Vector, H: Shape, A>(
     for stage in stages {
         memory.dw = dw.iter().map(|dw| stage.share * dw).collect();
         let before = state(&rooms);
-        take(stage, &mut rooms, &mut memory).ok()?;
+        flows.take_part::<PlainSum>(stage, &mut rooms, &mut memory).ok()?;
         let after = state(&rooms);
         action +=
             action_of(stage, before.each_ref().map(|list| &list[..]), after.each_ref().map(|list| &list[..]));
