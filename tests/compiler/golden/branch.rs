@@ -28,8 +28,8 @@ Step
   solve for δp: Newton (then Δq)
 
 Facts
-  H0 is a first integral: kept by the step nearly, within O(h²)
-  where q = edge, H0 is continuous, its slope, too
+  H0 is a first integral: kept by the step nearly, within O(h²) between the boundaries of its branches
+  where q = edge, H0 is continuous, its slope, too: steps have at most order 2 across, unless second derivatives are continuous
 
 ```
 */
@@ -253,7 +253,7 @@ const _: () = {
     impl Discretized<Midpoint> for Wall {
         type Scheme = Straight<Midpoint, 1, 0>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = q²/2 + p²/2 + (if edge < q and 0 < stiffness then stiffness (q - edge)²/2 else 0)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_{i+1/2}²/2 + P²/2 + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge)²/2 else 0))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (q_{i+1/2} + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge) else 0))/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  where q = edge, H0 is continuous, its slope, too\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = q²/2 + p²/2 + (if edge < q and 0 < stiffness then stiffness (q - edge)²/2 else 0)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_{i+1/2}²/2 + P²/2 + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge)²/2 else 0))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (q_{i+1/2} + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge) else 0))/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²) between the boundaries of its branches\n  where q = edge, H0 is continuous, its slope, too: steps have at most order 2 across, unless second derivatives are continuous\n";
     }
     #[automatically_derived]
     impl Conservative for Wall {}

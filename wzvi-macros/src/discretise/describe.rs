@@ -199,8 +199,14 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
             say!(text, "  {{H{number}, H0}} = {rate}");
         }
         if facts.has_several_noises {
-            let commuting = knowledge(&facts.commuting, "commute up to a constant", "do not commute");
-            say!(text, "  the noises {commuting}");
+            let commuting = match &facts.commuting {
+                Knowledge::Proven => "the noises commute up to a constant",
+                Knowledge::Refuted(_) => "the noises do not commute",
+                Knowledge::Unknown(reason) => {
+                    &format!("whether the noises commute could not be decided ({reason})")
+                }
+            };
+            say!(text, "  {commuting}");
         }
     }
     for (name, power) in &facts.energy.powers {
@@ -267,7 +273,6 @@ fn quadrature(embedding: &Embedding, text: &mut String) {
 /// of a Hamiltonian that differs by the order of the scheme (Hairer, Lubich, Wanner, Geometric Numerical
 /// Integration, IX.8): its error does not grow.
 fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
-    let is_smooth = facts.boundaries[0].iter().all(|known| matches!(known.crossing, Crossing::Smooth));
     let has_noise = facts.noise != NoiseClass::None;
     let is_watched = !has_noise && !embedding.is_thermostat();
     let order = match embedding.order() {
@@ -282,10 +287,11 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
                 "kept by the step to rounding".to_owned()
             } else if !facts.energy.is_conservative {
                 followed(facts, embedding).to_owned()
-            } else if is_smooth {
+            } else if facts.boundaries[0].is_empty() {
                 format!("kept by the step nearly, within {order}")
             } else {
-                format!("kept by the step nearly, within {order} between the kinks of H0")
+                // A modified energy is an expansion in derivatives of one piece.
+                format!("kept by the step nearly, within {order} between the boundaries of its branches")
             };
             say!(text, "  H0 is a first integral: {keeps}");
         }
@@ -295,10 +301,10 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
                 say!(text, "  runs do not compare H0 with its value at the start");
             }
         }
-        known => {
-            let energy = knowledge(known, "is a first integral", "is not a first integral");
-            say!(text, "  H0 {energy}");
-            if is_watched && matches!(known, Knowledge::Unknown(_)) {
+        Knowledge::Refuted(_) => say!(text, "  H0 is not a first integral"),
+        Knowledge::Unknown(reason) => {
+            say!(text, "  whether H0 is conserved could not be decided ({reason})");
+            if is_watched {
                 say!(text, "  runs compare H0 with its value at the start, as if it were");
             }
         }
@@ -319,7 +325,10 @@ fn crossings(facts: &Facts, text: &mut String) {
     for (number, boundaries) in numbers.zip(&facts.boundaries) {
         for Boundary { place, crossing, .. } in boundaries {
             let finding = match crossing {
-                Crossing::Smooth => "is continuous, its slope, too",
+                // Where second derivatives jump, the step that crosses adds an error of O(h²) to the momenta.
+                Crossing::Smooth => {
+                    "is continuous, its slope, too: steps have at most order 2 across, unless second derivatives are continuous"
+                }
                 Crossing::Kink => "is continuous, its slope jumps: the step has order 1 across",
                 Crossing::Jump(_) if number == "0" => "jumps: energy is kept on each side only",
                 Crossing::Jump(_) => "jumps: its derivatives are those of either side",
@@ -328,13 +337,5 @@ fn crossings(facts: &Facts, text: &mut String) {
             };
             say!(text, "  where {place}, H{number} {finding}");
         }
-    }
-}
-
-fn knowledge(known: &Knowledge, proven: &str, refuted: &str) -> String {
-    match known {
-        Knowledge::Proven => proven.to_owned(),
-        Knowledge::Refuted(_) => refuted.to_owned(),
-        Knowledge::Unknown(reason) => format!("could not be shown to be otherwise: {proven}? ({reason})"),
     }
 }

@@ -28,20 +28,27 @@ impl Named {
         Self { part, is_force, factor, name, definition, sum }
     }
 
-    /// The contribution to `∂L_d/∂P`.
-    fn by_p(&self) -> Option<String> {
-        let is_there = !self.is_force && self.sum.iter().any(|weighted| weighted.element.reads().p);
-        is_there.then(|| format!("∂{}/∂p", self.name))
-    }
-
-    /// The contribution to the change of the momenta.
-    fn by_q(&self) -> Option<String> {
-        let is_there = self.sum.iter().any(|weighted| weighted.element.reads().q);
-        match self.is_force {
-            true => Some(self.name.to_owned()),
-            false => is_there.then(|| format!("∂{}/∂q", self.name)),
+    /// The name of its contribution to the discrete Lagrangian, or to a derivative of that; `None` if that is
+    /// zero.
+    fn contribution(&self, derivative: Derivative) -> Option<String> {
+        let Self { name, is_force, .. } = self;
+        let reads =
+            |half: Half| self.sum.iter().any(|weighted| weighted.element.of_half(half).next().is_some());
+        match derivative {
+            Derivative::Value => (!is_force).then(|| (*name).to_owned()),
+            Derivative::ByMomenta => (!is_force && reads(Half::Momenta)).then(|| format!("∂{name}/∂p")),
+            Derivative::ByCoordinates if *is_force => Some((*name).to_owned()),
+            Derivative::ByCoordinates => reads(Half::Coordinates).then(|| format!("∂{name}/∂q")),
         }
     }
+}
+
+/// The discrete Lagrangian, or its derivative by one half of the unknowns.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Derivative {
+    Value,
+    ByMomenta,
+    ByCoordinates,
 }
 
 /// The text of one scheme, from the discrete Lagrangian to the step.
@@ -82,31 +89,46 @@ pub(crate) fn derivation(
     text
 }
 
-/// The discrete Lagrangian and its derivatives, by the slopes of the parts.
+/// The discrete Lagrangian and its derivatives, by the slopes of the parts. With friction that is part of the
+/// step, a part `F` acts as `e^{γlh} F(P/e^{γlh}, q_l)` at the quadrature point `l`, and `p' = e^{-γh} D2 L_d`.
 fn equations(system: &mut System, stages: &[Stage], parts: &[Named], text: &mut String) {
     let ([q, p], graph) = (system.names.clone(), &mut system.graph);
+    let has_friction = system.conformal.is_some();
     // The parts at each quadrature point, subtracted if they are no forces.
-    let mut weigh = |first: &str, weight: fn(&Stage) -> Rational, write: fn(&Named) -> Option<String>| {
+    let mut weigh = |first: &str, weight: fn(&Stage) -> Rational, derivative: Derivative| {
         let mut terms: Vec<(bool, String)> =
             Vec::from_iter((!first.is_empty()).then(|| (false, first.into())));
         for (stage, (part, share)) in stages.iter().flat_map(|s| s.parts.iter().map(move |part| (s, part))) {
             let weight = weight(stage);
             let is_negative = share.is_negative() != weight.is_negative();
+            let (mut scale, mut momentum) = (String::new(), "P".to_owned());
+            if has_friction && !stage.l.is_zero() {
+                let growth = exponential(stage.l);
+                momentum = format!("P/{growth}");
+                // The derivative by `P` divides by the factor.
+                if derivative != Derivative::ByMomenta {
+                    scale = growth + " ";
+                }
+            }
             for named in parts.iter().filter(|named| named.part == *part && !weight.is_zero()) {
                 let size = size(graph, *share, weight);
                 let at = point(&q, stage.l);
-                let term = write(named).map(|name| format!("{size}{}{name}(P, {at})", named.factor));
+                let term = named
+                    .contribution(derivative)
+                    .map(|name| format!("{size}{}{scale}{name}({momentum}, {at})", named.factor));
                 terms.extend(term.map(|term| (is_negative == named.is_force, term)));
             }
         }
         if terms.is_empty() { "0".to_owned() } else { signed(terms) }
     };
     say!(text, "\nDiscrete Lagrangian of the step from t to t + h, from {q}, {p} to {q}', {p}'");
-    let of_function = |named: &Named| (!named.is_force).then(|| named.name.to_owned());
-    say!(text, "  L_d = {}", weigh(&format!("P · Δ{q}"), |_| Rational::ONE, of_function));
-    let end = weigh("P", Stage::end, Named::by_q);
-    let (v, velocity) =
-        (weigh("", Stage::start, Named::by_q), weigh("", |_| Rational::MINUS_ONE, Named::by_p));
+    say!(text, "  L_d = {}", weigh(&format!("P · Δ{q}"), |_| Rational::ONE, Derivative::Value));
+    let mut end = weigh("P", Stage::end, Derivative::ByCoordinates);
+    if has_friction {
+        end = format!("exp(-γ h) ({end})");
+    }
+    let v = weigh("", Stage::start, Derivative::ByCoordinates);
+    let velocity = weigh("", |_| Rational::MINUS_ONE, Derivative::ByMomenta);
     for Named { name, definition, .. } in parts.iter().filter(|named| !named.definition.is_empty()) {
         say!(text, "  {name} = {definition}");
     }
@@ -117,7 +139,7 @@ fn equations(system: &mut System, stages: &[Stage], parts: &[Named], text: &mut 
     say!(text, "\nDiscrete Euler-Lagrange equations");
     say!(text, "  ∂L_d/∂P = 0:  Δ{q} = {velocity}");
     say!(text, "  {p} = -D1 L_d:  P = {p} + v,  v = {v}");
-    say!(text, "  {p}' = D2 L_d:  {p}' = {end}");
+    say!(text, "  {p}' = {}:  {p}' = {end}", if has_friction { "exp(-γ h) D2 L_d" } else { "D2 L_d" });
     say!(text, "  with these contributions to the slopes");
 }
 
@@ -127,6 +149,11 @@ fn size(graph: &mut Graph, a: Rational, b: Rational) -> String {
     let size = graph.number(a);
     let size = graph.scale(size, b);
     if graph.is_one(size) { String::new() } else { format!("{} ", graph.display(size)) }
+}
+
+/// `e^{γlh}`
+fn exponential(l: Rational) -> String {
+    if l.is_one() { "exp(γ h)".to_owned() } else { format!("exp({l} γ h)") }
 }
 
 /// `q` at a quadrature point.
@@ -166,6 +193,33 @@ fn gradient(graph: &mut Graph, facts: &Facts, part: &Named, half: Half, text: &m
             if !graph.is_zero(slope) {
                 say!(text, "    {place} += {}{}", graph.display(slope), space.placements(loops));
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop")]
+
+    use crate::compile::expand;
+
+    /// The same discrete Lagrangian as in straight lines: `h e^{γlh} H(P/e^{γlh}, q_l)`, and a new momentum that
+    /// is damped over the whole step.
+    #[test]
+    fn friction_of_steps_is_in_every_equation_of_loops() {
+        let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() \
+            + (1..q.len()).map(|i| (q[i] - q[i - 1]).powi(4)).sum::<f64>(), friction = gamma, embedding = [Midpoint, DeltaPlus]";
+        let item = "struct Chain { gamma: f64 }";
+        let code = expand(attribute.parse().unwrap(), item.parse().unwrap()).to_string();
+        for equation in [
+            "L_d = P · Δq - h exp(1/2 γ h) H0(P/exp(1/2 γ h), q_{1/2})",
+            "Δq = h ∂H0/∂p(P/exp(1/2 γ h), q_{1/2})",
+            "v = -1/2 h exp(1/2 γ h) ∂H0/∂q(P/exp(1/2 γ h), q_{1/2})",
+            "p' = exp(-γ h) D2 L_d:  p' = exp(-γ h) (P - 1/2 h exp(1/2 γ h) ∂H0/∂q(P/exp(1/2 γ h), q_{1/2}))",
+            "L_d = P · Δq - h H0(P, q)",
+            "p' = exp(-γ h) D2 L_d:  p' = exp(-γ h) (P)",
+        ] {
+            assert!(code.contains(equation), "{equation}\n{}", code.replace("\\n", "\n"));
         }
     }
 }

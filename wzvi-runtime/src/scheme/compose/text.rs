@@ -271,12 +271,12 @@ mod tests {
     /// The energy of a composed step is kept to the order of the composition, not to that of its substeps.
     #[test]
     fn the_energy_is_kept_to_the_order_of_the_composition() {
-        let base = "Verlet\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²) between the kinks of H0\n  \
+        let base = "Verlet\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²) between the boundaries of its branches\n  \
                     modified energy, kept within O(h⁴): H0 + h² (...)\n    H_pp(H_q,H_q) = p²\n  first integral p\n";
         for (order, power) in [(4, "h^4"), (8, "h^8"), (10, "h^10")] {
             let text = BoundedText::<600>::of(&Listing::Steps(&[1.0]), order, base);
             let facts = format!(
-                "Facts\n  H0 is a first integral: kept by the step nearly, within O({power}) between the kinks of H0\n  first integral p\n"
+                "Facts\n  H0 is a first integral: kept by the step nearly, within O({power}) between the boundaries of its branches\n  first integral p\n"
             );
             assert!(text.as_str().ends_with(&facts), "{}", text.as_str());
         }
