@@ -119,7 +119,7 @@ fn linear_steps_of_single_sites_have_the_bits_of_one_pass() {
     let apart = Apart { mass, spring };
     let start = [numbers(1025, 0.2), numbers(1025, 1.1)];
     let (_, iterations) = on_threads(&apart, 1, start.clone());
-    assert_eq!(iterations, Ok(vec![1; 5]));
+    assert_eq!(iterations, Ok(vec![1; 3]));
     for (place, bad) in [(0, f64::NEG_INFINITY), (1024, f64::NAN), (600, f64::INFINITY)] {
         let [q, mut p] = start.clone();
         p[place] = bad;
@@ -167,7 +167,7 @@ where
             numbers(system.noises(), 0.7 * f64::from(step)).iter().map(|dw| 0.1 * dw).collect();
         stepper.step(&mut state, &dw).map(|info| info.iterations)
     };
-    let taken = (0..5).map(step).collect();
+    let taken = (0..3).map(step).collect();
     (state.q.iter().chain(&state.p).map(|number| number.to_bits()).collect(), taken)
 }
 
@@ -184,13 +184,13 @@ fn check_threads<H: Discretized<Midpoint, Vector = DVector<f64>>>(
 
 #[test]
 fn rare_arguments_and_failures_are_the_same_on_threads() {
-    let mut far = numbers(1500, 0.2);
-    far[1400] = 1e9;
-    check_threads(&SineGordon { k: 0.7 }, &[far, numbers(1500, 1.1)], "far away");
-    for (place, bad) in [(0, 800.0), (1499, f64::NAN), (750, f64::INFINITY)] {
-        let mut p = numbers(1500, 1.1);
+    let mut far = numbers(900, 0.2);
+    far[800] = 1e9;
+    check_threads(&SineGordon { k: 0.7 }, &[far, numbers(900, 1.1)], "far away");
+    for (place, bad) in [(0, 800.0), (899, f64::NAN), (450, f64::INFINITY)] {
+        let mut p = numbers(900, 1.1);
         p[place] = bad;
-        let start = [numbers(1500, 0.2), p];
+        let start = [numbers(900, 0.2), p];
         assert!(check_threads(&SineGordon { k: 0.7 }, &start, "not finite").is_some());
     }
 }

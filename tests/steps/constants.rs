@@ -169,7 +169,7 @@ fn slope(d: f64, size: f64, f: impl Fn(f64) -> Vec<f64>) -> (Vec<f64>, f64) {
     ((0..a.len()).map(slope).collect(), d.powi(4) * size / 30.0 + 1.5e-13 / d)
 }
 
-/// Compares all columns with differences of the ends of runs of some forty steps. With the same increments the step size has no differences of runs with noise:
+/// Compares all columns with differences of the ends of runs of some twenty steps. With the same increments the step size has no differences of runs with noise:
 /// then `H` times a number stands for it.
 fn check<const N: usize>(what: &str, at: [f64; N], h: Option<f64>, run: impl Fn([f64; N], f64) -> Ended) {
     let (step, ours) = (h.unwrap_or(0.05), run(at, h.unwrap_or(0.05)));
@@ -183,12 +183,12 @@ fn check<const N: usize>(what: &str, at: [f64; N], h: Option<f64>, run: impl Fn(
         let varied =
             |d: f64| run(std::array::from_fn(|i| at[i] + if i == number { d } else { 0.0 }), step).end;
         let column: Vec<f64> = ours.by_parameters.column(number).iter().copied().collect();
-        // Parameters of order one over two units of time.
+        // Parameters of order one over one unit of time.
         agree(&column, slope(1e-3, 1e4, varied), format!("parameter {number}"));
     }
     if h.is_some() {
-        // By forty step sizes: 40⁵ times as large as by the time.
-        let differences = slope(5e-5, 1e10, |d| run(at, step + d).end);
+        // By twenty step sizes: 20⁵ times as large as by the time.
+        let differences = slope(1e-4, 3.2e8, |d| run(at, step + d).end);
         agree(ours.by_step_size.as_slice(), differences, "step size".into());
     }
 }
@@ -200,7 +200,7 @@ fn line(length: usize) -> State<DVector<f64>> {
     State { t: 0.3, ..State::new(q, p) }
 }
 
-/// Compares all columns of forty steps of a system that is made from its parameters, with the noise of a seed or without noise.
+/// Compares all columns of twenty steps of a system that is made from its parameters, with the noise of a seed or without noise.
 pub(super) fn check_run<E, H: Discretized<E>, const N: usize>(
     make: impl Fn([f64; N]) -> H,
     names: [&str; N],
@@ -210,7 +210,7 @@ pub(super) fn check_run<E, H: Discretized<E>, const N: usize>(
 ) {
     check(std::any::type_name::<(E, H)>(), at, seed.is_none().then_some(0.05), |at, h| {
         let system = make(at);
-        let run = system.simulate::<E>(h).start(start.clone()).steps(40);
+        let run = system.simulate::<E>(h).start(start.clone()).steps(20);
         match seed {
             Some(seed) => ended(run.noise(Wiener::seed(seed)).tangent_by(&names)),
             None => ended(run.tangent_by(&names)),
