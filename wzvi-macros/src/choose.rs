@@ -17,6 +17,7 @@
 use std::collections::BTreeMap;
 
 use crate::discretise::Dependencies;
+use crate::discretise::structure::MOST_ISOLATED;
 use crate::embedding::{Correction, Embedding, Points};
 use crate::model::{Element, Form, Half, Index, Loop, Slot, System};
 use crate::passes::collect::sketched;
@@ -48,10 +49,6 @@ impl MostAdded {
 
 /// The most placements of elements in a sketch. A system with more is not written out.
 const MOST_PLACEMENTS: usize = 4096;
-
-/// The largest block whose equations may be solved for an unknown that they are affine in: see
-/// `structure/isolate.rs`.
-const MOST_ISOLATED: usize = 12;
 
 /// The forms of everything that is emitted.
 pub(crate) struct Choice {

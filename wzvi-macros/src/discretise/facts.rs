@@ -143,8 +143,8 @@ pub(crate) struct Energy {
     pub(crate) is_conserved: Knowledge,
     /// Whether jumps of `H_0` are the only known reason why it is not.
     pub(crate) only_jumps: bool,
-    /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified
-    /// energy.
+    /// Whether there is no noise, force or friction, and the drift does not read the time: then symplectic
+    /// steps keep a modified energy.
     pub(crate) is_conservative: bool,
 }
 

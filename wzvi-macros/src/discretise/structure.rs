@@ -17,7 +17,7 @@ mod blocks;
 mod isolate;
 
 pub(crate) use blocks::Dependencies;
-pub(crate) use isolate::Pivot;
+pub(crate) use isolate::{MOST_ISOLATED, Pivot};
 
 /// The number of an unknown increment: of `u = q_{i+1} - q_i` its component, of `v = P - p_i` its component
 /// after all of `u`.

@@ -19,7 +19,7 @@ use crate::model::symbols::Symbols;
 use crate::model::{Index, Loop, Parameter};
 use crate::symbolic::{Expr, Graph};
 
-/// The most operations of one unrolled Hamiltonian.
+/// The most steps of the interpreter in one Hamiltonian.
 const MAX_STEPS: usize = 200_000;
 /// The deepest nesting of expressions and calls, which nests stack frames.
 const MAX_DEPTH: usize = 128;

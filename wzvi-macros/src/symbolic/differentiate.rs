@@ -18,10 +18,6 @@ use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 /// Products of more factors are differentiated by halves.
 const LONG_PRODUCT: usize = 8;
 
-/// The derivative `dx/ds` of every symbol `x` in the direction `s`. Symbols not listed are constant. A list
-/// of several symbols gives a total derivative: for `Q = (1-l) q_i + l q_{i+1}`, `dQ/dq_i = 1-l`.
-pub(crate) type Direction = HashMap<Symbol, Rational>;
-
 /// Slopes by node, zero unless `known`.
 struct NodeDerivatives {
     known: HashMap<Expr, Expr>,
@@ -39,23 +35,18 @@ impl NodeDerivatives {
 impl Graph {
     /// `∂expr/∂symbol`
     pub(crate) fn derivative(&mut self, expr: Expr, symbol: Symbol) -> Expr {
-        self.differentiate(expr, &HashMap::from([(symbol, Rational::ONE)]))
+        self.differentiated(expr, symbol, false)
     }
 
     /// `∂expr/∂symbol` for the matrices of Newton's method: 0 where only a root in `expr` has an infinite
     /// slope. There is no better matrix, and the solution does not depend on it.
     pub(crate) fn hessian_entry(&mut self, expr: Expr, symbol: Symbol) -> Expr {
-        self.differentiated(expr, &HashMap::from([(symbol, Rational::ONE)]), true)
+        self.differentiated(expr, symbol, true)
     }
 
-    /// The derivative of `expr` in `direction`.
-    pub(crate) fn differentiate(&mut self, expr: Expr, direction: &Direction) -> Expr {
-        self.differentiated(expr, direction, false)
-    }
-
-    fn differentiated(&mut self, expr: Expr, direction: &Direction, is_bounded: bool) -> Expr {
-        let support = Support::of(direction.keys().copied());
-        // Only nodes that may contain a moving symbol are visited: the others have no slope.
+    fn differentiated(&mut self, expr: Expr, symbol: Symbol, is_bounded: bool) -> Expr {
+        let support = Support::of([symbol]);
+        // Only nodes that may contain the symbol are visited: the others have no slope.
         let mut parts = self.reachable_where(&[expr], |part| self.support(part).intersects(support));
         parts.sort_unstable();
         let mut slopes =
@@ -63,10 +54,7 @@ impl Graph {
         for part in parts {
             let node = self.node(part).clone();
             let slope = match &node {
-                Node::Symbol(symbol) => {
-                    let speed = direction.get(symbol).copied().unwrap_or(Rational::ZERO);
-                    self.number(speed)
-                }
+                Node::Symbol(other) => self.integer(i32::from(*other == symbol)),
                 _ => self.slope(part, &node, &slopes),
             };
             if slope != slopes.zero {

@@ -1,4 +1,5 @@
-//! Decides whether an expression is identically zero, with a proof either way, or not at all.
+//! Decides whether an expression is identically zero: not zero with a witness, zero with a probability of
+//! error below 1e-15, or undecided.
 //!
 //! 1. The canonical form is the number 0.
 //! 2. It vanishes at random points of finite fields ([`super::residue`]): zero, up to a probability below

@@ -12,8 +12,9 @@ pub(crate) struct Flows {
 }
 
 impl Flows {
-    /// `None` if a term has a momentum together with a coordinate or with the time, which is constant during
-    /// a drift: then `Verlet` is computed as its two halves.
+    /// `None` if kicks and drifts are not flows: a term has a momentum together with a coordinate or with the
+    /// time, which is constant during a drift, or friction is part of the step. `Verlet` is then computed as
+    /// its two halves.
     pub(super) fn of(system: &System, is_separable: bool, is_nystrom: bool) -> Option<Self> {
         if !is_separable || system.conformal.is_some() {
             return None;

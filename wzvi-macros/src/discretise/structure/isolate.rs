@@ -9,7 +9,7 @@ use crate::discretise::{Equations, StepSymbols};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// The largest component in which unknowns are isolated: every one of them is tried.
-const MOST: usize = 12;
+pub(crate) const MOST_ISOLATED: usize = 12;
 
 /// `1 / pivot`, with its symbol in the equations.
 #[derive(Clone, Copy)]
@@ -26,7 +26,7 @@ pub(super) fn isolate(
     component: &[Unknown],
     iterates: &[Unknown],
 ) -> Option<(Equations, Dependencies, Vec<Pivot>)> {
-    if component.len() > MOST {
+    if component.len() > MOST_ISOLATED {
         return None;
     }
     let mut best: Option<(Equations, Dependencies, Vec<Pivot>)> = None;

@@ -52,7 +52,7 @@ pub(super) struct Chunk<'a> {
     /// Whether the loop is restricted to wanted places.
     pub(super) has_tiles: bool,
     pub(super) derivative: Derivative,
-    /// The lists that [`lists`] found, if placements that are not adjacent in the state are evaluated in
+    /// The lists that `open_lists` found, if placements that are not adjacent in the state are evaluated in
     /// lanes.
     pub(super) gathered: Option<&'a [OpenList]>,
 }

@@ -231,7 +231,7 @@ fn arm(number: usize, condition: Option<TokenStream>, code: &TokenStream) -> Tok
     if code.is_empty() { TokenStream::new() } else { quote!(#number #condition => { #code }) }
 }
 
-/// `Elements::curvature`: of the parts whose steps are solved with it, and of damping by a matrix; `None` if
+/// `Elements::hessian`: of the parts whose steps are solved with it, and of damping by a matrix; `None` if
 /// there is neither.
 fn hessian_method(model: &mut System, parts: &[PartElements], has_curvature: bool) -> Option<TokenStream> {
     let of_bath = self::numbered::arms(model, Derivative::Hessian);
