@@ -62,7 +62,7 @@ pub trait Noise {
     /// Writes the increments of one step, one per process, with variance `|h|` each if they are Wiener
     /// increments.
     ///
-    /// Not called for a system without noise.
+    /// Not called for a system that has neither noise nor a bath.
     ///
     /// # Errors
     /// [`NoiseError`]; the run ends there and keeps what it has.

@@ -41,7 +41,7 @@
 //! disk and then renamed; the folder is flushed after that. A process that is killed there leaves its
 //! temporary file, which the next one removes. A symbolic link is followed and stays a link; a device, a pipe
 //! or a folder is refused. The file has one line, `wzvi-checkpoint <version> <steps> <length>
-//! <checksum>`, and `length` bytes: words of 64 bits, the least byte first. RecordedTime nodes ([`record_every`](Simulation::record_every) above 0)
+//! <checksum>`, and `length` bytes: words of 64 bits, the least byte first. Recorded nodes ([`record_every`](Simulation::record_every) above 0)
 //! are among them. Only one process at a time should use the file; one that finds it changed by another
 //! leaves it alone.
 //!

@@ -30,8 +30,8 @@ pub struct StepInfo {
     /// How often the step was halved: it is `2^halvings` steps of size `h / 2^halvings`. 0 unless a
     /// [`Retry`](crate::trajectory::retry::Retry) allows more.
     pub halvings: u32,
-    /// Whether the previous steps did not predict this one, so that it was solved from zero with a line
-    /// search. Many such steps in a row mean that the step is long for the fastest motion. If the step was
+    /// Whether the fast iteration failed or led to another solution, so that the step was solved from zero with
+    /// a line search. Many such steps in a row mean that the step is long for the fastest motion. If the step was
     /// halved: whether one of its parts was hard.
     pub is_hard: bool,
     /// Whether the solution could not be followed from the state along the step. Only the orientation of its
@@ -62,7 +62,7 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = SumOf<H, E>> {
     reached: [H::Vector; 2],
     /// The energy that all steps exchanged.
     exchanged: Exchanged,
-    /// Whether nobody asks for that.
+    /// Whether the exchanged energy is not asked for.
     is_unaccounted: bool,
     /// The account of energy that steps exchange beyond what their scheme accounts for; the first such step
     /// makes it.
@@ -331,7 +331,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         self.error(state, dw, cause)
     }
 
-    /// Whether care may find what the short way does not.
+    /// Whether the damped iteration can solve a step that the fast one does not.
     const IS_ITERATED: bool = matches!(H::PLAN.solver, Solver::Newton);
 
     /// As [`Stepper::step`]; `dense` receives the path between the two nodes ([`crate::scheme::dense`]).

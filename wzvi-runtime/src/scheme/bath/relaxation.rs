@@ -37,7 +37,7 @@ pub(super) enum Relaxation<K = f64> {
         decay: Vec<K>,
         deviation: Vec<K>,
         inverse_mass: Vec<K>,
-        /// As of [`DiagonalRelaxation`], of modes; `deviation` is then that of modes with the noise 1.
+        /// As of [`DiagonalRelaxation`], by mode; `deviation` is then that of modes with unit noise.
         ramp: Option<[Vec<K>; 2]>,
     },
     /// Rates that depend on the state.

@@ -14,7 +14,7 @@ use crate::algebra::solve::{
 };
 use crate::error::StepFailure;
 
-/// The most sweeps: more than the slowest contraction that goes on takes to rounding, `ln ε / ln 0.8 = 162`.
+/// The most sweeps: more than the slowest contraction that goes on takes to rounding, `ln ε / ln 0.81 = 171`.
 const MOST_SWEEPS: u32 = 200;
 /// Sweeps before their contraction is judged: the first ones need not contract.
 const UNJUDGED: u32 = 6;

@@ -224,7 +224,7 @@ pub trait Scheme<H: Hamiltonian> {
     /// system per lane, or with derivatives.
     type Prepared<K: Constant>: Clone + Debug + Send + Sync;
 
-    /// The data from which the next step is predicted; of size zero for explicit steps.
+    /// The data that a step leaves for the next one, and scratch; of size zero where there are none.
     type Memory<S: Scalar>: StepMemory;
 
     /// Compensated sums of the state's increments:
