@@ -190,6 +190,9 @@ fn settings_without_meaning_are_refused() {
         "`indicators` has no use for `observe`",
     );
     are_refused(map(4).record_every(2).indicators(), "has no use for `record_every`");
+    are_refused(map(4).quantiles().indicators(), "has no use for `quantiles`");
+    are_refused(map(4).until_error("q", 0.1).indicators(), "has no use for `until_error`");
+    are_refused(map(4).inspect(|_, _| ()).indicators(), "has no use for `inspect`");
     are_refused(map(4).keep_paths(1 << 20).indicators(), "has no use for `keep_paths`");
     are_refused(map(4).retry(Retry::halving(2)).indicators(), "has no use for `retry`");
     are_refused(map(4).deviations([[1.0, 0.0, 0.0, 0.0]]).indicators(), "a map takes 2 deviations");

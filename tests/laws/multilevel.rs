@@ -332,5 +332,5 @@ fn an_ensemble_becomes_a_multilevel_run() {
     let same = kubo(0.25, 0.02, 3).run().unwrap();
     assert_eq!((begun.mean(), begun.standard_error()), (same.mean(), same.standard_error()));
     let error = ensemble().antithetic().multilevel(0.02).run().unwrap_err().to_string();
-    assert!(error.contains("antithetic paths in a multilevel run"), "{error}");
+    assert!(error.contains("`multilevel` has no use for `antithetic`"), "{error}");
 }

@@ -91,15 +91,23 @@ fn a_multilevel_run_takes_what_was_said_or_refuses_it() {
         (seeded().observe("p", |state| state.p[0]), "a second observable"),
         (seeded().until_error("no such", 0.1), "`until_error`"),
         (seeded().inspect(|_, _| ()), "`inspect`"),
-        (seeded().covariances(true), "covariances"),
+        (seeded().covariances(true), "`covariances`"),
         (seeded().allow_losses(0.5), "`allow_losses`"),
-        (seeded().record_every(2), "recorded times"),
-        (seeded().record_at([0.5]), "recorded times"),
-        (seeded().keep_crossings(3), "crossings"),
-        (run().noise(wzvi::noise::StepNormals::seed(3).antithetic()), "antithetic"),
+        (seeded().record_every(2), "`record_every`"),
+        (seeded().record_at([0.5]), "`record_at`"),
+        (seeded().keep_crossings(3), "`keep_crossings`"),
+        (seeded().keep_paths(1 << 20), "`keep_paths`"),
+        (seeded().section(|state| state.q[0]), "`section`"),
+        (seeded().first_passage("far", |state| state.q[0] - 9.0), "`first_passage`"),
+        (seeded().unwatched(), "`unwatched`"),
+        (seeded().retry(Retry::halving(2)), "`retry`"),
+        (run().noise(wzvi::noise::StepNormals::seed(3).antithetic()), "`antithetic`"),
     ] {
         let words = words(asked.multilevel(0.1).run());
-        assert!(words.contains(what) && words.contains("multilevel"), "{what}: {words}");
+        assert!(
+            words.contains(&format!("`multilevel` has no use for {what}: leave it out")),
+            "{what}: {words}"
+        );
     }
     // Levels of the paper's experiment would converge to the solution of another equation.
     let run = KUBO.multilevel::<Uncorrected<DeltaPlus>>(0.25).start(start()).seed(1).until(1.0);

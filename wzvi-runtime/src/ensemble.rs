@@ -29,6 +29,7 @@ mod draws;
 mod group;
 mod increments;
 mod job;
+mod made_settings;
 mod multilevel;
 mod observation;
 mod provenance;

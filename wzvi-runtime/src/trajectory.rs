@@ -5,6 +5,7 @@ pub mod chaos;
 pub mod checkpoint;
 pub mod error;
 pub(crate) mod exclusive_setting;
+pub(crate) mod made_settings;
 pub(crate) mod options;
 pub mod recorded;
 pub(crate) mod recording;

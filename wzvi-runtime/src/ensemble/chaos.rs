@@ -7,8 +7,9 @@ use std::path::Path;
 use linearised::{Linearised, NUMBER, WithDeviations, lifted, parts};
 
 use super::checks::number_of_paths;
+use super::made_settings::made_of;
 use super::starts::{ByPath, DrawPurpose, OneSystem, check};
-use super::{Ensemble, EnsembleSettings, EnsembleSetup, ExtraStatistics};
+use super::{Ensemble, EnsembleSettings, EnsembleSetup};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, wrong};
 use crate::ground::variables::Variables;
@@ -21,6 +22,7 @@ use crate::statistics::PathFailure;
 use crate::trajectory::Error;
 use crate::trajectory::chaos::{chosen, gali, sali};
 use crate::trajectory::exclusive_setting::SOME;
+use crate::trajectory::made_settings::MadeSetting;
 use crate::trajectory::span::{ONE_START, sized};
 
 const MEGNO: &str = "megno";
@@ -103,7 +105,7 @@ where
     /// dependent, or not two.
     pub fn indicators(self) -> Result<ChaosMap<H::Vector>, Error> {
         let Self { ensemble: Ensemble { setup, .. }, given } = self;
-        refuse_unused(&setup)?;
+        MadeSetting::refuse("indicators", made_of(&setup), USED)?;
         let EnsembleSetup { system, h, span, recorded, is_watched, execution, keeping, more, .. } = setup;
         let EnsembleSettings { starts, paths, source, settings, control, .. } = more;
         let seed = source.value().map_or(0, super::source::NoiseSource::seed);
@@ -191,44 +193,18 @@ where
 
 const STARTS: &str = "a start: add `.start(...)`, `.starts_from(...)` or `.starts(...)`";
 
-/// # Errors
-/// [`ConfigError::Setting`] for settings that have no meaning for indicators.
-fn refuse_unused<H: Hamiltonian>(setup: &EnsembleSetup<'_, H>) -> Result<(), ConfigError> {
-    let more = &setup.more;
-    let ExtraStatistics {
-        quantiles,
-        covariances,
-        histograms,
-        most_bytes,
-        most_crossings,
-        has_work,
-        has_weight: _,
-        added,
-    } = &more.wanted;
-    let unused = [
-        ("`observe`", !setup.observables.is_empty() || !more.own.is_empty()),
-        ("`section`", !setup.sections.is_empty()),
-        (
-            "`record_every` and `record_at`",
-            setup.recorded.every.is_some() || !setup.recorded.times.is_empty(),
-        ),
-        ("`first_passage`", !more.events.is_empty()),
-        ("`retry`", setup.retry.most() > 0),
-        ("`inspect`", more.inspector.is_some()),
-        (
-            "`quantiles`, `covariances` and histograms",
-            *quantiles || covariances.is_some() || !histograms.is_empty(),
-        ),
-        ("`keep_paths` and `keep_crossings`", most_bytes.is_some() || *most_crossings > 0),
-        ("`observe_work`", *has_work),
-        ("statistics", !added.is_empty()),
-        ("`until_error`", !more.control.targets.is_empty()),
-    ];
-    match unused.into_iter().find(|(_, is_set)| *is_set) {
-        Some((setting, _)) => wrong(format!("`indicators` has no use for {setting}: leave it out")),
-        None => Ok(()),
-    }
-}
+/// What a map of indicators takes from an ensemble. Whether each path has a system of its own is part of
+/// its type.
+const USED: &[MadeSetting] = &[
+    MadeSetting::AllowLosses,
+    MadeSetting::Antithetic,
+    MadeSetting::Checkpoint,
+    MadeSetting::Handle,
+    MadeSetting::OtherNoise,
+    MadeSetting::Starts,
+    MadeSetting::StopWhen,
+    MadeSetting::Unwatched,
+];
 
 impl<V: Vector> ChaosMap<V> {
     /// A row for each path: its start under the names of the closure, and its indicators.

@@ -58,7 +58,8 @@ impl<V: Vector> PathCrossings<V> {
         job: &EnsembleJob<'_, H, E>,
         number: usize,
         dense: &DenseOutput<V>,
-        (path, statistics): (u64, &mut Statistics),
+        path: u64,
+        statistics: &mut Statistics,
     ) {
         let Self { watch, counts, passed } = self;
         watch.follow(job.crossed().take(number), dense, &mut |crossing| {

@@ -32,22 +32,22 @@ pub use crate::trajectory::error::{LevelError, LevelFailure};
 pub use estimate::{Level, MultilevelEstimate};
 use levels::{LEAST_LEVELS, MultilevelRun, RunLimits};
 
-use super::control::Control;
 use super::job::EnsembleJob;
-use super::source::{NoiseSource, NormalSettings};
+use super::made_settings::made_of;
+use super::source::NoiseSource;
 use super::starts::Paired;
-use super::{Ensemble, EnsembleSettings, EnsembleSetup, ExtraStatistics};
+use super::{Ensemble, EnsembleSetup};
 use crate::algebra::state::State;
 use crate::error::{ConfigError, above_zero, wrong};
 use crate::ground::digits::ShortestDecimal;
 use crate::noise::{StepNormals, Truncation};
 use crate::scheme::plan::NoiseClass;
-use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::scheme::system::Discretized;
 use crate::trajectory::Error;
 use crate::trajectory::checkpoint::{Checkpoint, CheckpointSetting};
 use crate::trajectory::exclusive_setting::ExclusiveSetting;
+use crate::trajectory::made_settings::MadeSetting;
 use crate::trajectory::options::options;
-use crate::trajectory::recording::RecordingRequest;
 use crate::trajectory::span::{NodeGrid, RunEnd, whole_steps};
 
 /// The default of the finest level: steps a million times shorter than the coarsest.
@@ -220,9 +220,7 @@ where
     /// The target and the weak order, of a run that makes sense.
     fn checked(&self) -> Result<(f64, f64), ConfigError> {
         let (setup, LevelSettings { target, weak_order, finest }) = (&self.setup, self.levels.clone());
-        if let Some(what) = refused(setup) {
-            return wrong(format!("{what} in a multilevel run, where it has no meaning: leave it out"));
-        }
+        MadeSetting::refuse("multilevel", made_of(setup), USED)?;
         let target = target
             .checked("a run has one target")?
             .ok_or(ConfigError::Missing("an error to reach: add `.target(error)`"))?;
@@ -254,68 +252,9 @@ where
     }
 }
 
-/// Settings of an ensemble that have no meaning here.
-fn refused<H: Hamiltonian>(setup: &EnsembleSetup<'_, H>) -> Option<&'static str> {
-    let EnsembleSetup {
-        system: _,
-        h: _,
-        span: _,
-        recorded,
-        observables,
-        sections,
-        retry,
-        is_watched,
-        execution: _,
-        keeping: _,
-        more,
-    } = setup;
-    let EnsembleSettings {
-        starts,
-        systems,
-        paths: _,
-        source,
-        settings,
-        own,
-        events,
-        wanted,
-        inspector,
-        control,
-    } = more;
-    let ExtraStatistics {
-        quantiles,
-        covariances,
-        histograms,
-        most_bytes,
-        most_crossings,
-        has_work,
-        has_weight: _,
-        added,
-    } = wanted;
-    let (NormalSettings { is_antithetic, truncation: _ }, Control { targets, losses }) = (settings, control);
-    let RecordingRequest { every, times } = recorded;
-    let refused = [
-        (observables.len() > 1, "a second observable"),
-        (*is_antithetic || source.value().is_some_and(NoiseSource::is_antithetic), "antithetic paths"),
-        (source.value().is_some_and(|source| source.normals.is_none()), "a noise that is not `StepNormals`"),
-        (systems.value().is_some(), "paths that have systems of their own"),
-        (starts.value().is_some(), "paths that start at states of their own"),
-        (!own.is_empty(), "observables of each path's own system"),
-        (!events.is_empty(), "first passages"),
-        (!sections.is_empty(), "sections"),
-        (*quantiles || !histograms.is_empty(), "quantiles and histograms"),
-        (covariances.is_some(), "covariances"),
-        (most_bytes.is_some() || *most_crossings > 0, "kept paths and crossings"),
-        (every.is_some() || !times.is_empty(), "recorded times"),
-        (inspector.is_some(), "`inspect`"),
-        (*has_work, "work and heat"),
-        (!added.is_empty(), "statistics of its own"),
-        (retry.most() > 0, "`retry`"),
-        (!is_watched, "`unwatched`"),
-        (!targets.is_empty(), "`until_error`"),
-        (losses.is_some(), "`allow_losses`"),
-    ];
-    refused.into_iter().find_map(|(is_asked, what)| is_asked.then_some(what))
-}
+/// What a multilevel run takes from an ensemble.
+const USED: &[MadeSetting] =
+    &[MadeSetting::Observe, MadeSetting::Checkpoint, MadeSetting::Handle, MadeSetting::StopWhen];
 
 const OBSERVABLE: &str = "an observable: add `.observe(name, function)`";
 

@@ -92,7 +92,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             let (path, number) = (group.path(lane), crossings.looked_for_inside(job));
             if let Some(LaneInside { before, dense, .. }) = lanes.get_mut(lane).filter(|_| number > 0) {
                 group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
-                    crossings.look_inside(job, number, dense, (path, &mut *statistics));
+                    crossings.look_inside(job, number, dense, path, &mut *statistics);
                 })?;
             }
         }

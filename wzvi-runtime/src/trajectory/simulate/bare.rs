@@ -4,12 +4,13 @@ use super::{Simulation, Summation, Unobserved};
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::state_sum::StateSum;
-use crate::error::{StoppedError, wrong};
+use crate::error::StoppedError;
 use crate::ground::progress::StepsShown;
 use crate::increments::Noise;
 use crate::scheme::poles;
 use crate::scheme::system::Discretized;
 use crate::trajectory::Error;
+use crate::trajectory::made_settings::MadeSetting::{self, Handle, StopWhen, Unwatched};
 use crate::trajectory::options::{Execution, RunSetup};
 use crate::trajectory::retry::{Retry, Subdivision};
 use crate::trajectory::span::NodeGrid;
@@ -43,35 +44,12 @@ where
     /// for.
     pub(crate) fn bare(self, what: &str, may_stop: bool) -> Result<StepsOnly<'a, H, E, N, S::Sum>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
-        let RunSetup {
-            system,
-            h,
-            span,
-            recorded,
-            observables,
-            sections,
-            retry,
-            is_watched,
-            execution,
-            keeping,
-            more: (),
-        } = setup;
+        let used: &[_] = if may_stop { &[Unwatched, Handle, StopWhen] } else { &[Unwatched] };
+        MadeSetting::refuse(what, setup.made(), used)?;
+        let RunSetup { system, h, span, retry, is_watched, execution, .. } = setup;
         let mut whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(execution.threads)?)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         whole.watch.ends_after(grid.whole());
-        let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
-        let unused = [
-            ("`observe`", !observables.is_empty()),
-            ("`section`", !sections.is_empty()),
-            ("`record_every` and `record_at`", is_recorded),
-            ("`retry`", retry.most() > 0),
-            ("a checkpoint", keeping.is_set()),
-            ("`handle`", !may_stop && execution.handle.is_some()),
-            ("`stop_when`", !may_stop && execution.stop.is_some()),
-        ];
-        if let Some((setting, _)) = unused.into_iter().find(|(_, is_set)| *is_set) {
-            return wrong(format!("`{what}` has no use for {setting}: leave it out"));
-        }
         let processes = system.increments(start.q.components().len());
         let noise = grid.prepared(noise, &H::PLAN, processes, retry)?;
         if let Some(noise) = &noise {
