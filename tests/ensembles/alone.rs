@@ -263,3 +263,44 @@ fn steps_are_divided_as_those_of_a_single_path() {
     println!("{divided} steps divided, {finest} times");
     assert!(divided > 20 && finest == 12, "{divided} {finest}");
 }
+
+/// Sites in a periodic potential on springs, each with a noise of its own. From 256 sites on, each path of an
+/// ensemble has a stepper; the cosine shows whether it has one everywhere.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().zip(q).map(|(p, q)| 0.5 * p * p + 1.0 - q.cos()).sum::<f64>()
+            + (1..q.len()).map(|i| 0.5 * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, k| 0.3 * q[k]; self.sites],
+    embedding = [Verlet],
+)]
+struct Kicked {
+    sites: usize,
+}
+
+/// A large system has the same bits in an ensemble, in lanes of any width and in a replay; and its levels are
+/// those of its paths.
+#[test]
+fn paths_of_large_systems_are_those_of_their_replays() {
+    let system = Kicked { sites: 256 };
+    let start = State::new((0..256).map(|i| (0.37 * f64::from(i)).sin()).collect::<Vec<_>>(), vec![0.0; 256]);
+    let run = || system.ensemble::<Verlet>(0.1).start(start.clone()).paths(3).seed(3).steps(5);
+    let ends = std::sync::Mutex::new(vec![start.clone(); 3]);
+    let observed = || run().inspect(|path, state| ends.lock().unwrap()[path as usize] = state.clone());
+    observed().run().unwrap();
+    let alone = ends.lock().unwrap().clone();
+    observed().run_in::<2>().unwrap();
+    assert!(*ends.lock().unwrap() == alone, "in two lanes");
+    for (path, end) in (0..).zip(&alone) {
+        let (replayed, error) = run().replay(path).unwrap();
+        assert!(error.is_none() && replayed.last() == end, "path {path}");
+    }
+    let levels = system.multilevel::<Verlet>(0.5).start(start.clone()).until(1.0).seed(3).paths(64);
+    let levels = levels.observe("q", |state| state.q[0]).target(1e-3).finest(2).run().unwrap();
+    // The coarsest level has as many paths as asked for, each once.
+    let coarsest = levels.levels().first().unwrap();
+    let same = system.ensemble::<Verlet>(0.5).start(start.clone()).until(1.0).seed(3).paths(coarsest.paths());
+    let same = same.observe("q", |state| state.q[0]).run().unwrap();
+    let (error, expected) = (coarsest.variance().sqrt(), same.last().unwrap().variance(0).sqrt());
+    assert!((error - expected).abs() < 1e-12 * expected, "{error}, expected {expected}");
+}

@@ -43,16 +43,16 @@ impl ChunkLedger {
     where
         H: Discretized<E> + Sync,
     {
-        let targets = control.targets(job.empty.observables())?;
+        let targets = control.targets(job.observed.empty.observables())?;
         let allowed_losses = control.allowed_losses()?;
-        let mut statistics = job.empty.clone();
+        let mut statistics = job.observed.empty.clone();
         statistics.origin = Some(Provenance::of(job));
         if let Some(paths) = &mut statistics.paths {
             paths.reserve(job.paths)?;
         }
         let keeper = run_identity::open(keeping, job, &mut statistics)?;
         let chunks = keeper.first()..job.chunks().end;
-        let (limit, size) = (job.paths, job.chunk());
+        let (limit, size) = (job.paths, job.chunk);
         let mut account =
             Self { statistics, keeper, targets, progress, limit, size, allowed_losses, chunks, error: None };
         if account.targets_reached().0 {

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::job::{EnsembleJob, OwnWork, Stop};
+use super::chunk::PATHS;
+use super::job::{
+    CrossedFunctions, EnsembleJob, ObservedNodes, OwnWork, PathStarts, PathSystems, PreparedSteps, Stop,
+};
 use super::source::NoiseSource;
 use super::starts::{self, ByPath, DrawPurpose, STARTS, SYSTEMS};
 use super::{Ensemble, ExtraStatistics};
@@ -30,7 +33,7 @@ const MOST_BYTES: u128 = 1 << 30;
 /// Bins of passage times.
 const PASSAGE_BINS: usize = 100;
 
-const PATHS: &str = "a number of paths: add `.paths(number)`";
+const NO_PATHS: &str = "a number of paths: add `.paths(number)`";
 const SEED: &str = "a seed for its noise: add `.seed(number)` or `.noise(...)`";
 
 /// The number of paths: the requested number, or that of listed starts and systems.
@@ -46,7 +49,7 @@ pub(super) fn number_of_paths(asked: Option<u64>, listed: [Option<u64>; 2]) -> R
             "{both}: list as many of both, or say how many paths there are, `.paths(number)`"
         ));
     }
-    let paths = asked.or(listed[0]).or(listed[1]).ok_or(ConfigError::Missing(PATHS))?;
+    let paths = asked.or(listed[0]).or(listed[1]).ok_or(ConfigError::Missing(NO_PATHS))?;
     if paths == 0 {
         return wrong("0 paths: take at least 1");
     }
@@ -130,7 +133,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
             let name = free("energy", observables.0.iter().map(|(known, _)| known.as_str()));
             observables.push(name, elsewhere);
         }
-        let mut own_work = None;
+        let mut work = None;
         if more.wanted.has_work {
             let (has_weight, first) = (more.wanted.has_weight, observables.len());
             let is_between = recorded.iter().any(|recorded| recorded.is_inside);
@@ -141,7 +144,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
             }
             let heats = if H::PROPERTIES.has_temperatures { start.q.components().len() } else { 0 };
             OwnWork::names(heats, has_weight).into_iter().for_each(|name| observables.push(name, elsewhere));
-            own_work = Some(OwnWork { places: first..observables.len(), has_weight });
+            work = Some(OwnWork { places: first..observables.len(), has_weight });
         }
         let (names, observables) = observables.checked("observables")?;
         let (event_names, events) = more.events.checked("events")?;
@@ -162,41 +165,38 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let crossings = vec![crossings; setup.sections.len()];
         let empty = more.wanted.checked(names, &times, (passages, crossings), has_pairs, paths)?;
         grid.check_parts(&mut *source.path(0), processes, setup.retry)?;
-        Ok(EnsembleJob {
-            system,
-            prepared: crate::trajectory::step::prepared(system, h)?,
-            shorter: grid.shorter.map(|h| crate::trajectory::step::prepared(system, h)).transpose()?,
-            h,
-            level: 0,
-            start,
-            starts,
-            all_gather: grid.from(0).all(|(_, size)| all_gather::<H, E>(&systems, size)),
-            systems,
-            own,
-            own_work,
-            seed,
+        let job = EnsembleJob {
+            prepared: PreparedSteps {
+                whole: crate::trajectory::step::prepared(system, h)?,
+                last: grid.shorter.map(|h| crate::trajectory::step::prepared(system, h)).transpose()?,
+            },
+            systems: PathSystems {
+                common: system,
+                go_in_lanes: grid.from(0).all(|(_, size)| go_in_lanes::<H, E>(&systems, size)),
+                own: systems,
+            },
+            starts: PathStarts { first: start, own: starts, seed },
             grid,
-            paths,
-            steps,
-            recorded,
             source,
+            paths,
+            chunk: PATHS,
+            level: 0,
             retry: setup.retry,
             is_watched: setup.is_watched,
-            observables,
-            events,
-            sections: setup.sections,
-            inspector: more.inspector,
-            empty,
+            observed: ObservedNodes { recorded, observables, own, work, inspector: more.inspector, empty },
+            crossed: CrossedFunctions { sections: setup.sections, events },
             stop,
-        })
+        };
+        Ok(job.chunked())
     }
 }
 
 /// Whether each system goes in lanes with the first one. One that cannot be prepared is an error of its path.
-fn all_gather<H: Discretized<E>, E>(systems: &[H], h: f64) -> bool {
-    let mut prepared = systems.iter().filter_map(|system| crate::trajectory::step::prepared(system, h).ok());
-    let Some(first) = prepared.next() else { return true };
-    prepared.all(|other| SchemeOf::<H, E>::gather([&first, &other]).is_some())
+fn go_in_lanes<H: Discretized<E>, E>(systems: &[H], h: f64) -> bool {
+    let prepared = || systems.iter().filter_map(|system| crate::trajectory::step::prepared(system, h).ok());
+    let first = prepared().next();
+    // With itself, too: some go in no lanes at all.
+    first.is_none_or(|first| prepared().all(|other| SchemeOf::<H, E>::gather([&first, &other]).is_some()))
 }
 
 /// Whether there is work to observe, in a run that may halve its steps or look between its nodes.

@@ -3,8 +3,8 @@
 use std::marker::PhantomData;
 use std::ops::{ControlFlow, Range};
 
-use super::group::Group;
-use super::job::EnsembleJob;
+use super::group::{BySteppers, Coupled, InLanes, StepPaths};
+use super::job::{EnsembleJob, NotInLanes};
 use super::observation::Observation;
 use super::starts::Systems;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
@@ -14,10 +14,10 @@ use crate::statistics::Statistics;
 use crate::trajectory::Error;
 use crate::trajectory::steps::take_steps;
 
-/// Paths in a chunk where paths go beside each other: two groups of the widest vector registers.
-pub(super) const PATHS_IN_LANES: u64 = 64;
-/// Paths in a chunk where paths go one after the other.
-pub(super) const SCALAR_PATHS: u64 = 4;
+/// Paths in a chunk: two groups of the widest vector registers.
+pub(super) const PATHS: u64 = 64;
+/// Paths in a chunk of large systems, which go one after the other.
+pub(super) const PATHS_OF_LARGE_SYSTEMS: u64 = 4;
 
 /// Whether a path has more than one degree of freedom, and so more beside it that is to stay in registers.
 const fn is_wide<V>() -> bool {
@@ -77,14 +77,14 @@ impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P
 
     /// The paths of chunks.
     fn paths(&self, numbers: &Range<u64>) -> Range<u64> {
-        let size = self.job.chunk();
+        let size = self.job.chunk;
         numbers.start * size..self.job.paths.min(numbers.end * size)
     }
 
     /// The instructions that take no more paths beside each other than there are, if those asked for take
     /// more: lanes without a path cost as much as others.
     pub(super) fn instructions(&self, asked: InstructionSet) -> InstructionSet {
-        if WIDTH == 0 && self.job.takes_scalar_paths() {
+        if WIDTH == 0 && self.job.not_in_lanes() == Some(NotInLanes::LargeSystem) {
             return asked;
         }
         let Range { start, end } = self.paths(&self.numbers);
@@ -100,7 +100,9 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunks<'_,
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         if const { WIDTH != 0 } {
             self.of_width::<WIDTH>()
-        } else if const { EnsembleJob::<H, E>::MAY_TAKE_SCALAR_PATHS } && self.job.takes_scalar_paths() {
+        } else if const { EnsembleJob::<H, E>::MAY_BE_LARGE }
+            && self.job.not_in_lanes() == Some(NotInLanes::LargeSystem)
+        {
             self.of_width::<1>()
         } else if const { is_wide::<H::Vector>() } {
             self.of_width::<HALF>()
@@ -110,12 +112,28 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunks<'_,
     }
 }
 
-impl<'a, H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunks<'_, 'a, H, E, P, WIDTH> {
+impl<'j, 'a, H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunks<'j, 'a, H, E, P, WIDTH> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_width<const L: usize>(self) -> ChunkResults {
-        let (mut group, mut found) = (Group::<H, E, P, L>::new(self.job, self.coarse), ChunkResults::new());
+        // The constants keep what a scheme never needs from being compiled.
+        if const { !EnsembleJob::<H, E>::may_not_be_in_lanes::<P>() } {
+            return self.by(InLanes::<H, E, P, L>::new);
+        }
+        if const { H::PROPERTIES.in_lanes } && self.job.not_in_lanes().is_none() {
+            return self.by(InLanes::<H, E, P, L>::new);
+        }
+        self.by(BySteppers::<H, E, L>::new)
+    }
+
+    /// The chunks, whose steps are taken by what `make` makes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn by<T: StepPaths<'j, H, E, L>, const L: usize>(
+        self,
+        make: fn(&'j EnsembleJob<'a, H, E>) -> T,
+    ) -> ChunkResults {
+        let (mut paths, mut found) = (Coupled::new(self.job, self.coarse, make), ChunkResults::new());
         for number in self.numbers.clone() {
-            found.push(self.of_chunk(&mut group, self.paths(&(number..number + 1))));
+            found.push(self.of_chunk(&mut paths, self.paths(&(number..number + 1))));
             if found.last().is_some_and(Result::is_err) {
                 break;
             }
@@ -124,18 +142,18 @@ impl<'a, H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunks<'_, 'a, H,
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_chunk<const L: usize>(
+    fn of_chunk<T: StepPaths<'j, H, E, L>, const L: usize>(
         &self,
-        group: &mut Group<'_, 'a, H, E, P, L>,
-        paths: Range<u64>,
+        paths: &mut Coupled<'j, 'a, H, E, P, T, L>,
+        numbers: Range<u64>,
     ) -> Result<Statistics, Error> {
-        let (job, Range { start: mut path, end }) = (self.job, paths);
+        let (job, Range { start: mut path, end }) = (self.job, numbers);
         let mut observation = Observation::new(job);
         while path < end {
-            group.begin(path, end)?;
-            observation.begin(group)?;
-            take_steps(&mut (&mut *group, &mut observation), 0..job.steps)?;
-            observation.finish(group);
+            paths.begin(path, end)?;
+            observation.begin(paths)?;
+            take_steps(&mut (&mut *paths, &mut observation), 0..job.grid.steps)?;
+            observation.finish(paths);
             path += L as u64;
         }
         Ok(observation.statistics)

@@ -105,12 +105,12 @@ where
         let all = threads.saturating_mul(world.size().unsigned_abs() as usize);
         let queue = Queue::new(account.chunks(), all);
         let hands = RankWork { threads, work, stop: &stop };
-        let stopped = StoppedError { done: 0, all: job.steps };
+        let stopped = StoppedError { done: 0, all: job.grid.steps };
         let served = serve::serve(
             &world,
             queue,
             hands,
-            || job.empty.clone(),
+            || job.observed.empty.clone(),
             |chunk| account.add_chunk(chunk.ok_or(stopped.into())),
         );
         let statistics = served.outcome.and_then(|()| match failed.get() {

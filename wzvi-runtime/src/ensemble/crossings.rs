@@ -26,9 +26,9 @@ pub(super) struct PathCrossings<V> {
 impl<V: Vector> PathCrossings<V> {
     pub(super) fn new<H: Discretized<E, Vector = V>, E>(job: &EnsembleJob<'_, H, E>) -> Self {
         Self {
-            watch: SectionWatch::new(job.crossed(), &job.start),
-            counts: vec![0; job.sections.len()],
-            passed: vec![f64::NAN; job.events.len()],
+            watch: SectionWatch::new(job.crossed.functions(), &job.starts.first),
+            counts: vec![0; job.crossed.sections.len()],
+            passed: vec![f64::NAN; job.crossed.events.len()],
         }
     }
 
@@ -38,7 +38,7 @@ impl<V: Vector> PathCrossings<V> {
         job: &EnsembleJob<'_, H, E>,
         start: &State<V>,
     ) {
-        self.watch.begin(job.crossed(), start);
+        self.watch.begin(job.crossed.functions(), start);
         self.counts.fill(0);
         self.passed.fill(f64::NAN);
     }
@@ -49,7 +49,7 @@ impl<V: Vector> PathCrossings<V> {
         job: &EnsembleJob<'_, H, E>,
     ) -> usize {
         let waits = !job.has_passages_at_nodes() && self.passed.iter().any(|passed| passed.is_nan());
-        job.sections.len() + if waits { job.events.len() } else { 0 }
+        job.crossed.sections.len() + if waits { job.crossed.events.len() } else { 0 }
     }
 
     /// Looks into a step, or a part of it, for the first `number` functions.
@@ -62,12 +62,12 @@ impl<V: Vector> PathCrossings<V> {
         statistics: &mut Statistics,
     ) {
         let Self { watch, counts, passed } = self;
-        watch.follow(job.crossed().take(number), dense, &mut |crossing| {
+        watch.follow(job.crossed.functions().take(number), dense, &mut |crossing| {
             if let Some(event) = crossing.section.checked_sub(counts.len()) {
                 if passed[event].is_nan() {
                     passed[event] = crossing.state.t;
                 }
-            } else if job.sections.want(&crossing) {
+            } else if job.crossed.sections.want(&crossing) {
                 let Crossing { section, direction, state } = crossing;
                 let (before, t) = (counts[section], state.t);
                 let (q, p) = (state.q.components(), state.p.components());
@@ -85,7 +85,7 @@ impl<V: Vector> PathCrossings<V> {
         state: &State<V>,
     ) {
         let Self { watch, counts, passed } = self;
-        for ((event, function), passed) in job.events.iter().enumerate().zip(passed) {
+        for ((event, function), passed) in job.crossed.events.iter().enumerate().zip(passed) {
             if passed.is_nan() {
                 *passed = watch.arrive(counts.len() + event, function, times, state).unwrap_or(f64::NAN);
             }

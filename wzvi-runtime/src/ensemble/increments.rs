@@ -53,7 +53,7 @@ enum IncrementSource<'j, const L: usize> {
     /// and step.
     Normals(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
     /// The key of the first process, and increments of one path, which goes alone, in the order of `values`.
-    Alone([u32; 8], Vec<f64>),
+    OnePath([u32; 8], Vec<f64>),
     /// For paths `2k` and `2k + 1` the normals of path `k`, as they are and negated.
     Pairs(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
     /// A noise for each path, and the increments of one of them.
@@ -95,23 +95,21 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         Self { origin, path: 0, processes, blocks, deviation: h.abs().sqrt(), clip: source.clip(h), values }
     }
 
-    /// For paths that go one after the other.
-    pub(super) fn for_scalar_paths(mut self) -> Self {
+    /// Draws many processes of one path at once, in place of one process of many paths.
+    pub(super) fn draw_one_path(&mut self) {
         if let IncrementSource::Normals(keys, _) = &self.origin
             && let Some(&key) = keys.first()
         {
-            self.origin = IncrementSource::Alone(key, vec![0.0; STEPS * self.processes]);
+            self.origin = IncrementSource::OnePath(key, vec![0.0; STEPS * self.processes]);
             self.values = Vec::new();
         }
-        self
     }
 
     /// Also keeps the normals, from which multilevel runs make the increments of coarser paths.
-    pub(super) fn keeping_normals(mut self) -> Self {
+    pub(super) fn keep_normals(&mut self) {
         if let IncrementSource::Normals(keys, kept) = &mut self.origin {
             kept.resize(keys.len(), [[0.0; L]; STEPS]);
         }
-        self
     }
 
     /// Goes to paths `path ..`.
@@ -150,9 +148,9 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
                     }
                 }
             }
-            IncrementSource::Alone(..) => {
+            IncrementSource::OnePath(..) => {
                 if blocks.begins(step, 1) {
-                    self.draw_scalar_path(blocks.of(step));
+                    self.draw_processes(blocks.of(step));
                 }
             }
             IncrementSource::Pairs(..) => self.draw_pairs(step),
@@ -202,8 +200,8 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
 
     /// Draws many processes of one path at once.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn draw_scalar_path(&mut self, block: u64) {
-        let IncrementSource::Alone(key, values) = &mut self.origin else { return };
+    fn draw_processes(&mut self, block: u64) {
+        let IncrementSource::OnePath(key, values) = &mut self.origin else { return };
         let mut drawn = [[0.0; PROCESSES_AT_ONCE]; STEPS];
         for first in (0..self.processes).step_by(PROCESSES_AT_ONCE) {
             let end = self.processes.min(first + PROCESSES_AT_ONCE);
@@ -283,16 +281,22 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         row.unwrap_or_default()
     }
 
-    /// The increments of a path that goes alone; `None` where paths do not.
+    /// The increments of a lane in a step that has been drawn, by process: where they are, or in `room`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn of_path(&self, step: u64) -> Option<&[f64]> {
-        let IncrementSource::Alone(_, values) = &self.origin else { return None };
-        values.get(self.blocks.slot(step) * self.processes..)?.get(..self.processes)
+    pub(super) fn of_lane<'s>(&'s self, lane: usize, step: u64, room: &'s mut Vec<f64>) -> &'s [f64] {
+        if let IncrementSource::OnePath(_, values) = &self.origin {
+            let row = values.get(self.blocks.slot(step) * self.processes..);
+            // Too few increments are an error of the step.
+            return row.and_then(|row| row.get(..self.processes)).unwrap_or_default();
+        }
+        room.clear();
+        room.extend(self.of(step).iter().map(|dw| dw[lane]));
+        room
     }
 
     /// Replaces the increments of a lane.
     pub(super) fn set(&mut self, lane: usize, step: u64, dw: &[f64]) {
-        if let IncrementSource::Alone(_, values) = &mut self.origin {
+        if let IncrementSource::OnePath(_, values) = &mut self.origin {
             let row = values.chunks_exact_mut(self.processes.max(1)).nth(self.blocks.slot(step));
             row.into_iter().for_each(|row| row.copy_from_slice(dw));
         } else {

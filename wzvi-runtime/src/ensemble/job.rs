@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use super::chunk;
 use super::source::{NoiseSource, NormalSettings};
-use super::starts::{self, ByPath, DrawPurpose, STARTS};
+use super::starts::{self, ByPath, DrawPurpose, STARTS, Systems};
 use crate::algebra::state::{State, Vector};
-use crate::error::ConfigError;
+use crate::algebra::state_sum::PlainSum;
+use crate::error::{ConfigError, InternalError};
 use crate::increments::Interval;
 use crate::noise::StepNormals;
-use crate::scheme::system::{Discretized, PreparedOf};
+use crate::scheme::system::{Discretized, Hamiltonian, PreparedOf};
 use crate::statistics::Statistics;
 use crate::trajectory::Error;
 use crate::trajectory::options::{Observable, OwnObservable};
@@ -17,45 +18,114 @@ use crate::trajectory::recording::RecordedTime;
 use crate::trajectory::retry::Retry;
 use crate::trajectory::section::Sections;
 use crate::trajectory::span::{MOST_STEPS, NodeGrid};
+use crate::trajectory::step::{Stepper, prepared};
 
 /// A run of paths that are known by their numbers.
 pub(super) struct EnsembleJob<'a, H: Discretized<E>, E> {
-    pub(super) system: &'a H,
-    pub(super) prepared: PreparedOf<H, E>,
-    /// What is prepared for a last step that is shorter.
-    pub(super) shorter: Option<PreparedOf<H, E>>,
-    pub(super) h: f64,
+    pub(super) systems: PathSystems<'a, H>,
+    pub(super) starts: PathStarts<'a, H::Vector>,
+    pub(super) prepared: PreparedSteps<PreparedOf<H, E>>,
+    pub(super) grid: NodeGrid,
+    pub(super) source: NoiseSource<'a>,
+    pub(super) paths: u64,
+    /// Paths in a chunk.
+    pub(super) chunk: u64,
     /// The level of a multilevel run, 0 the coarsest.
     pub(super) level: u32,
-    /// The start of all paths, or of path 0.
-    pub(super) start: State<H::Vector>,
-    /// The starts of all paths, if each has its own.
-    pub(super) starts: Option<ByPath<'a, State<H::Vector>>>,
-    /// The systems of all paths, if each has its own; else none.
-    pub(super) systems: Vec<H>,
-    /// Whether any of these go in lanes together: a path takes the same steps whatever is beside it.
-    pub(super) all_gather: bool,
-    /// The observables that read the system of a path, by number.
-    pub(super) own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
-    /// The observables of the work of a path.
-    pub(super) own_work: Option<OwnWork>,
-    pub(super) seed: u64,
-    pub(super) grid: NodeGrid,
-    pub(super) paths: u64,
-    pub(super) steps: u64,
-    /// The start first, the end last.
-    pub(super) recorded: Vec<RecordedTime>,
-    pub(super) source: NoiseSource<'a>,
     pub(super) retry: Retry,
     /// Whether a path ends whose energy has changed.
     pub(super) is_watched: bool,
-    pub(super) observables: Vec<Observable<'a, H::Vector>>,
-    pub(super) events: Vec<Observable<'a, H::Vector>>,
-    pub(super) sections: Sections<'a, H::Vector>,
-    pub(super) inspector: Option<Inspector<'a, H::Vector>>,
-    /// What is to be found out, of no path yet.
-    pub(super) empty: Statistics,
+    pub(super) observed: ObservedNodes<'a, H>,
+    pub(super) crossed: CrossedFunctions<'a, H::Vector>,
     pub(super) stop: Stop<'a>,
+}
+
+/// The systems of paths.
+pub(super) struct PathSystems<'a, H> {
+    /// The system of all paths, or the one in the place of which each path has its own.
+    pub(super) common: &'a H,
+    /// The systems of all paths, if each has its own; else none.
+    pub(super) own: Vec<H>,
+    /// Whether all of them go in lanes together.
+    pub(super) go_in_lanes: bool,
+}
+
+impl<H> PathSystems<'_, H> {
+    /// Whether each path has its own.
+    pub(super) fn are_own(&self) -> bool {
+        !self.own.is_empty()
+    }
+
+    /// The system of a path.
+    pub(super) fn of(&self, path: u64) -> &H {
+        usize::try_from(path).ok().and_then(|path| self.own.get(path)).unwrap_or(self.common)
+    }
+
+    /// An error of the system of a path.
+    pub(super) fn error_of(&self, path: u64, cause: ConfigError) -> ConfigError {
+        if self.are_own() { ConfigError::PathSystem { path, cause: Box::new(cause) } } else { cause }
+    }
+}
+
+/// Where paths start.
+pub(super) struct PathStarts<'a, V> {
+    /// The start of all paths, or of path 0.
+    pub(super) first: State<V>,
+    /// The starts of all paths, if each has its own.
+    pub(super) own: Option<ByPath<'a, State<V>>>,
+    /// The seed of those that are drawn.
+    pub(super) seed: u64,
+}
+
+/// What is computed once for all steps of a system.
+pub(super) struct PreparedSteps<P> {
+    pub(super) whole: P,
+    /// What a last step that is shorter needs.
+    pub(super) last: Option<P>,
+}
+
+/// What is found out about paths at recorded nodes.
+pub(super) struct ObservedNodes<'a, H: Hamiltonian> {
+    /// The start first, the end last.
+    pub(super) recorded: Vec<RecordedTime>,
+    pub(super) observables: Vec<Observable<'a, H::Vector>>,
+    /// The observables among them that read the system of a path, by number.
+    pub(super) own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
+    /// The observables of the work of a path.
+    pub(super) work: Option<OwnWork>,
+    pub(super) inspector: Option<Inspector<'a, H::Vector>>,
+    /// The statistics of no path yet.
+    pub(super) empty: Statistics,
+}
+
+/// The functions of the state whose zeros paths cross.
+pub(super) struct CrossedFunctions<'a, V> {
+    /// All crossings of these are looked for.
+    pub(super) sections: Sections<'a, V>,
+    /// The first crossing of each of these is looked for.
+    pub(super) events: Vec<Observable<'a, V>>,
+}
+
+impl<'a, V> CrossedFunctions<'a, V> {
+    /// Sections, then events.
+    pub(super) fn functions(&self) -> impl Iterator<Item = &Observable<'a, V>> {
+        self.sections.functions().chain(&self.events)
+    }
+}
+
+/// Why the paths of a job do not go in lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NotInLanes {
+    /// The steps of a path are in vector instructions by themselves.
+    LargeSystem,
+    /// The scheme has no steps in lanes ([`Properties::in_lanes`](crate::scheme::system::Properties)).
+    Scheme,
+    /// The systems of paths differ in more than numbers.
+    Systems,
+    /// Steps are looked into, and lanes do not keep the polynomial of the scheme.
+    DenseOutput,
+    /// Work and heat are observed, which a stepper accounts for.
+    Work,
 }
 
 /// What is observed of the work of each path.
@@ -83,52 +153,82 @@ pub(super) type Inspector<'a, V> = Box<dyn Fn(u64, &State<V>) + Send + Sync + 'a
 pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
-    /// Whether [`EnsembleJob::takes_scalar_paths`] may be.
-    pub(super) const MAY_TAKE_SCALAR_PATHS: bool = H::PROPERTIES.scalar_paths_from < usize::MAX;
+    /// Whether the steps of a system may be in vector instructions by themselves.
+    pub(super) const MAY_BE_LARGE: bool = H::PROPERTIES.scalar_paths_from < usize::MAX;
 
-    /// Whether paths go one after the other, because the steps of each are in vector instructions by
-    /// themselves. Antithetic paths are drawn in pairs.
-    pub(super) fn takes_scalar_paths(&self) -> bool {
-        self.start.q.components().len() >= H::PROPERTIES.scalar_paths_from && !self.source.is_antithetic()
+    /// Whether [`EnsembleJob::not_in_lanes`] may have a reason.
+    pub(super) const fn may_not_be_in_lanes<P: Systems>() -> bool {
+        !H::PROPERTIES.in_lanes
+            || Self::MAY_BE_LARGE
+            || P::ARE_OWN
+            || H::PROPERTIES.has_polynomial
+            || Stepper::<H, E, PlainSum>::MAY_EXCHANGE
     }
 
-    /// The functions whose zeros paths cross: sections, then events.
-    pub(super) fn crossed(&self) -> impl Iterator<Item = &Observable<'a, H::Vector>> {
-        self.sections.functions().chain(&self.events)
+    /// Why paths do not go in lanes, but each by a stepper; `None` if they go in lanes. All paths of a job go
+    /// alike, and so does each of them alone: its bits do not depend on what is beside it.
+    pub(super) fn not_in_lanes(&self) -> Option<NotInLanes> {
+        let is_large = self.degrees() >= H::PROPERTIES.scalar_paths_from;
+        let reasons = [
+            // Antithetic paths are drawn in pairs.
+            (NotInLanes::LargeSystem, is_large && !self.source.is_antithetic()),
+            (NotInLanes::Scheme, !H::PROPERTIES.in_lanes),
+            (NotInLanes::Systems, !self.systems.go_in_lanes),
+            (NotInLanes::DenseOutput, H::PROPERTIES.has_polynomial && self.looks_between()),
+            (NotInLanes::Work, self.observed.work.is_some()),
+        ];
+        reasons.into_iter().find_map(|(reason, holds)| holds.then_some(reason))
+    }
+
+    /// This job, in chunks that suit the size of its system.
+    pub(super) fn chunked(self) -> Self {
+        let is_large = self.not_in_lanes() == Some(NotInLanes::LargeSystem);
+        Self { chunk: if is_large { chunk::PATHS_OF_LARGE_SYSTEMS } else { chunk::PATHS }, ..self }
     }
 
     /// Whether crossings are looked for in each step.
     pub(super) fn looks_inside(&self) -> bool {
-        !self.sections.is_empty() || !self.events.is_empty() && !self.has_passages_at_nodes()
+        let CrossedFunctions { sections, events } = &self.crossed;
+        !sections.is_empty() || !events.is_empty() && !self.has_passages_at_nodes()
     }
 
     /// Whether first passages are looked for at the nodes alone: those of paths with noise.
     pub(super) fn has_passages_at_nodes(&self) -> bool {
-        !self.events.is_empty() && self.processes() > 0
+        !self.crossed.events.is_empty() && self.processes() > 0
     }
 
     /// Whether anything is looked for between nodes, in some steps or in each.
     pub(super) fn looks_between(&self) -> bool {
-        self.looks_inside() || self.recorded.iter().any(|recorded| recorded.is_inside)
+        self.looks_inside() || self.observed.recorded.iter().any(|recorded| recorded.is_inside)
+    }
+
+    /// The degrees of freedom of a path.
+    pub(super) fn degrees(&self) -> usize {
+        self.starts.first.q.components().len()
     }
 
     /// How many numbers drive a step.
     pub(super) fn processes(&self) -> usize {
-        self.system.increments(self.start.q.components().len())
+        self.systems.common.increments(self.degrees())
     }
 
-    /// The system of a path.
-    pub(super) fn system_of(&self, path: u64) -> &H {
-        usize::try_from(path).ok().and_then(|path| self.systems.get(path)).unwrap_or(self.system)
+    /// What is prepared for steps of this size.
+    ///
+    /// # Errors
+    /// [`InternalError`] for a size that the run does not have.
+    pub(super) fn prepared_for(&self, size: f64) -> Result<&PreparedOf<H, E>, InternalError> {
+        let PreparedSteps { whole, last } = &self.prepared;
+        let of_size = if size == self.grid.h { Some(whole) } else { last.as_ref() };
+        of_size.ok_or_else(|| InternalError::new("the steps of a run are prepared", size))
     }
 
     /// The observables of a path in this state, but for its work.
     pub(super) fn observe(&self, path: u64, state: &State<H::Vector>, values: &mut [f64]) {
-        for (value, observable) in values.iter_mut().zip(&self.observables) {
+        for (value, observable) in values.iter_mut().zip(&self.observed.observables) {
             *value = observable(state);
         }
-        for (index, observable) in &self.own {
-            values[*index] = observable(self.system_of(path), state);
+        for (index, observable) in &self.observed.own {
+            values[*index] = observable(self.systems.of(path), state);
         }
     }
 
@@ -137,9 +237,10 @@ impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
     /// # Errors
     /// If it is none.
     pub(super) fn start_of(&self, path: u64) -> Result<State<H::Vector>, ConfigError> {
-        let Some(starts) = &self.starts else { return Ok(self.start.clone()) };
-        let start = starts.of(DrawPurpose::Start, self.seed, path).ok_or(ConfigError::Missing(STARTS))?;
-        starts::check(self.system_of(path), &start, path, (self.start.q.components().len(), self.start.t))?;
+        let PathStarts { first, own, seed } = &self.starts;
+        let Some(own) = own else { return Ok(first.clone()) };
+        let start = own.of(DrawPurpose::Start, *seed, path).ok_or(ConfigError::Missing(STARTS))?;
+        starts::check(self.systems.of(path), &start, path, (self.degrees(), first.t))?;
         Ok(start)
     }
 
@@ -149,54 +250,42 @@ impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
     /// # Errors
     /// Where there are more steps than can be counted, and those of a system that cannot be prepared.
     pub(super) fn finer(&self) -> Result<Self, Error> {
-        let Self { system, start, level, grid, source, .. } = self;
-        let (level, h, steps) = (level + 1, 0.5 * grid.h, 2 * grid.steps);
+        let PathStarts { first: start, seed, .. } = &self.starts;
+        let (level, h, steps) = (self.level + 1, 0.5 * self.grid.h, 2 * self.grid.steps);
         if steps > MOST_STEPS {
-            return Err(ConfigError::End { start: start.t, end: grid.time(grid.steps), h }.into());
+            return Err(ConfigError::End { start: start.t, end: self.grid.time(self.grid.steps), h }.into());
         }
         let first = Interval { start: start.t, h, step: 0 };
-        let normals = source.normals.clone().unwrap_or_else(|| StepNormals::seed(0));
+        let normals = self.source.normals.clone().unwrap_or_else(|| StepNormals::seed(0));
         let source = NoiseSource::new(normals.on_level(level));
+        let finer = |recorded: &RecordedTime| RecordedTime { node: 2 * recorded.node, ..*recorded };
+        let system = self.systems.common;
         Ok(Self {
-            system,
-            prepared: crate::trajectory::step::prepared(*system, h)?,
-            shorter: None,
-            h,
-            level,
-            start: start.clone(),
-            starts: None,
-            systems: Vec::new(),
-            all_gather: true,
-            own: Vec::new(),
-            own_work: None,
-            seed: self.seed,
+            systems: PathSystems { common: system, own: Vec::new(), go_in_lanes: true },
+            starts: PathStarts { first: start.clone(), own: None, seed: *seed },
+            prepared: PreparedSteps { whole: prepared(system, h)?, last: None },
             grid: NodeGrid::of(start.t, h, steps),
-            paths: self.paths,
-            steps,
-            recorded: self
-                .recorded
-                .iter()
-                .map(|recorded| RecordedTime { node: 2 * recorded.node, ..*recorded })
-                .collect(),
             source: source.prepared(NormalSettings::default(), &H::PLAN, first, (self.processes(), steps))?,
+            paths: self.paths,
+            chunk: self.chunk,
+            level,
             retry: self.retry,
             is_watched: self.is_watched,
-            observables: self.observables.clone(),
-            events: Vec::new(),
-            sections: Sections::default(),
-            inspector: None,
-            empty: self.empty.clone(),
+            observed: ObservedNodes {
+                recorded: self.observed.recorded.iter().map(finer).collect(),
+                observables: self.observed.observables.clone(),
+                own: Vec::new(),
+                work: None,
+                inspector: None,
+                empty: self.observed.empty.clone(),
+            },
+            crossed: CrossedFunctions { sections: Sections::default(), events: Vec::new() },
             stop: self.stop,
         })
     }
 
-    /// Paths in a chunk.
-    pub(super) fn chunk(&self) -> u64 {
-        if self.takes_scalar_paths() { chunk::SCALAR_PATHS } else { chunk::PATHS_IN_LANES }
-    }
-
     /// The numbers of all chunks.
     pub(super) fn chunks(&self) -> Range<u64> {
-        0..self.paths.div_ceil(self.chunk())
+        0..self.paths.div_ceil(self.chunk)
     }
 }

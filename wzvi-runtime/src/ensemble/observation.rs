@@ -1,7 +1,7 @@
 //! What paths beside each other show at the nodes of a run: observables, events, and what became of each.
 
 use super::crossings::PathCrossings;
-use super::group::Group;
+use super::group::{Coupled, Group, StepPaths};
 use super::job::{EnsembleJob, OwnWork};
 use super::starts::Systems;
 use super::stop_poll::StopPoll;
@@ -40,7 +40,7 @@ struct LaneInside<V> {
 
 impl<V: Vector> LaneInside<V> {
     fn new<H: Discretized<E, Vector = V>, E>(job: &EnsembleJob<'_, H, E>) -> Self {
-        let start = &job.start;
+        let start = &job.starts.first;
         Self { before: start.clone(), dense: DenseOutput::of(start), room: start.clone() }
     }
 }
@@ -48,16 +48,16 @@ impl<V: Vector> LaneInside<V> {
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> {
     pub(super) fn new(job: &'j EnsembleJob<'a, H, E>) -> Self {
         let lanes = if job.looks_between() { L } else { 0 };
-        let crossings = if job.crossed().next().is_some() { L } else { 0 };
+        let crossings = if job.crossed.functions().next().is_some() { L } else { 0 };
         Self {
             job,
-            statistics: job.empty.clone(),
+            statistics: job.observed.empty.clone(),
             pace: StopPoll::new(job.stop),
             seen: 0,
             next: 0,
             crossings: (0..crossings).map(|_| PathCrossings::new(job)).collect(),
             lanes: (0..lanes).map(|_| LaneInside::new(job)).collect(),
-            values: vec![0.0; job.observables.len()],
+            values: vec![0.0; job.observed.observables.len()],
         }
     }
 
@@ -65,7 +65,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     ///
     /// # Errors
     /// If the run was stopped on the way.
-    pub(super) fn begin<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) -> Result<(), Error> {
+    pub(super) fn begin<P: Systems, T: StepPaths<'j, H, E, L>>(
+        &mut self,
+        paths: &mut Coupled<'j, 'a, H, E, P, T, L>,
+    ) -> Result<(), Error> {
+        let group = &mut paths.fine;
         (self.seen, self.next) = (0, 0);
         for (lane, crossings) in self.crossings.iter_mut().enumerate() {
             crossings.begin(self.job, group.state_at(lane, 0));
@@ -74,22 +78,26 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             copy_state(before, group.state_at(lane, 0));
             dense.forget();
         }
-        self.record(group, 0)
+        self.record(paths, 0)
     }
 
     /// Looks for the crossings of the step that ended at this node.
     #[inline(never)]
-    fn cross<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
+    fn cross<T: StepPaths<'j, H, E, L>>(
+        &mut self,
+        group: &mut Group<'j, 'a, H, E, T, L>,
+        node: u64,
+    ) -> Result<(), Error> {
         let Self { job, statistics, crossings, lanes, .. } = self;
         let times = [node - 1, node].map(|node| job.grid.time(node));
         for (lane, crossings) in crossings.iter_mut().enumerate() {
-            if !group.is_path(lane) || group.has_failed(lane) {
+            if !group.lanes.goes_on(lane) {
                 continue;
             }
             if job.has_passages_at_nodes() {
                 crossings.look_at_node(job, times, group.state_at(lane, node));
             }
-            let (path, number) = (group.path(lane), crossings.looked_for_inside(job));
+            let (path, number) = (group.lanes.number(lane), crossings.looked_for_inside(job));
             if let Some(LaneInside { before, dense, .. }) = lanes.get_mut(lane).filter(|_| number > 0) {
                 group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
                     crossings.look_inside(job, number, dense, path, &mut *statistics);
@@ -102,38 +110,45 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     /// This much more work is done, at a node.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn work(&mut self, pieces: u64, node: u64) -> Result<(), StoppedError> {
-        let stopped = StoppedError { done: node, all: self.job.steps };
+        let stopped = StoppedError { done: node, all: self.job.grid.steps };
         if self.pace.ends_after(pieces) { Err(stopped) } else { Ok(()) }
     }
 
     /// Adds the paths that are still there to the statistics of all recorded times that belong to this node.
     #[inline(never)]
-    fn record<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
-        while let Some(recorded) = self.job.recorded.get(self.next).filter(|recorded| recorded.node == node) {
-            self.record_at(group, recorded)?;
+    fn record<P: Systems, T: StepPaths<'j, H, E, L>>(
+        &mut self,
+        paths: &mut Coupled<'j, 'a, H, E, P, T, L>,
+        node: u64,
+    ) -> Result<(), Error> {
+        while let Some(recorded) =
+            self.job.observed.recorded.get(self.next).filter(|recorded| recorded.node == node)
+        {
+            self.record_at(paths, recorded)?;
             self.next += 1;
         }
         Ok(())
     }
 
-    fn record_at<P: Systems>(
+    fn record_at<P: Systems, T: StepPaths<'j, H, E, L>>(
         &mut self,
-        group: &mut Group<'_, '_, H, E, P, L>,
+        paths: &mut Coupled<'j, 'a, H, E, P, T, L>,
         &RecordedTime { node, t, is_inside }: &RecordedTime,
     ) -> Result<(), Error> {
         let (job, place) = (self.job, self.next);
         for lane in 0..L {
             self.work(1, node)?;
-            if !group.is_path(lane) {
+            if !paths.fine.lanes.is_path(lane) {
                 continue;
             }
-            let path = group.path(lane);
+            let path = paths.fine.lanes.number(lane);
             if const { P::ARE_PAIRED } {
-                let values = &group.end_of_pair(lane).map_err(Error::Level)?;
+                let values = &paths.end_of_pair(lane).map_err(Error::Level)?;
                 self.statistics.see(path, &Seen::Values { node: place, values });
                 continue;
             }
-            if group.has_failed(lane) {
+            let group = &mut paths.fine;
+            if group.lanes.has_failed(lane) {
                 self.statistics.see(path, &Seen::Lost { node: place });
                 continue;
             }
@@ -152,11 +167,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 }
                 _ => group.state_at(lane, node),
             };
-            if let Some(see) = &job.inspector {
+            if let Some(see) = &job.observed.inspector {
                 see(path, state);
             }
             job.observe(path, state, &mut self.values);
-            if let Some(OwnWork { places, has_weight }) = &job.own_work {
+            if let Some(OwnWork { places, has_weight }) = &job.observed.work {
                 group.work_of(lane, node, *has_weight, &mut self.values[places.clone()])?;
             }
             self.statistics.see(path, &Seen::Values { node: place, values: &self.values });
@@ -165,32 +180,37 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     }
 
     /// What became of the paths of a group, in the order of their numbers.
-    pub(super) fn finish<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) {
+    pub(super) fn finish<P, T>(&mut self, paths: &mut Coupled<'j, 'a, H, E, P, T, L>) {
+        let group = &mut paths.fine.lanes;
         let failures = group.take_failures();
         let paths = || self.crossings.iter().enumerate().filter(|(lane, _)| group.is_path(*lane));
-        for event in 0..self.job.events.len() {
+        for event in 0..self.job.crossed.events.len() {
             let mut failures = failures.iter();
             for (lane, crossings) in paths() {
                 let failure = if group.has_failed(lane) { failures.next() } else { None };
                 let failed = failure.map(|failure| self.job.grid.time(failure.error.step));
                 let passage = crossings.passage(event, failed);
-                self.statistics.see(group.path(lane), &Seen::Passage { event, passage });
+                self.statistics.see(group.number(lane), &Seen::Passage { event, passage });
             }
         }
         for PathFailure { path, error } in failures {
             self.statistics.see(path, &Seen::Failure(error));
         }
-        for section in 0..self.job.sections.len() {
+        for section in 0..self.job.crossed.sections.len() {
             for (lane, crossings) in paths() {
                 let count = crossings.count(section);
-                self.statistics.see(group.path(lane), &Seen::Crossings { section, count });
+                self.statistics.see(group.number(lane), &Seen::Crossings { section, count });
             }
         }
     }
 }
 
-impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
-    for (&mut Group<'_, '_, H, E, P, L>, &mut Observation<'_, '_, H, E, L>)
+impl<'j, 'a, H, E, P, T, const L: usize> Advance
+    for (&mut Coupled<'j, 'a, H, E, P, T, L>, &mut Observation<'j, 'a, H, E, L>)
+where
+    H: Discretized<E>,
+    P: Systems,
+    T: StepPaths<'j, H, E, L>,
 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
@@ -200,7 +220,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn next_node(&self, node: u64) -> u64 {
         let Observation { job, next, pace, crossings, .. } = &*self.1;
-        let recorded = job.recorded.get(*next).map_or(u64::MAX, |recorded| {
+        let recorded = job.observed.recorded.get(*next).map_or(u64::MAX, |recorded| {
             // Both nodes of a step that is looked into.
             if recorded.is_inside && recorded.node > node + 1 { recorded.node - 1 } else { recorded.node }
         });
@@ -210,15 +230,15 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at_node(&mut self, node: u64) -> Result<(), Error> {
-        let (group, observation) = self;
+        let (paths, observation) = self;
         observation.work(node - observation.seen, node)?;
         observation.seen = node;
         if !observation.crossings.is_empty() {
-            observation.cross(group, node)?;
+            observation.cross(&mut paths.fine, node)?;
         }
-        observation.record(group, node)?;
+        observation.record(paths, node)?;
         for (lane, inside) in observation.lanes.iter_mut().enumerate() {
-            copy_state(&mut inside.before, group.state_at(lane, node));
+            copy_state(&mut inside.before, paths.fine.state_at(lane, node));
         }
         Ok(())
     }

@@ -9,13 +9,13 @@ impl Provenance {
     pub(super) fn of<H: Discretized<E>, E>(job: &EnsembleJob<'_, H, E>) -> Self {
         let (mut parameters, mut varying) = (Vec::new(), Vec::new());
         for index in 0.. {
-            let Some((name, own)) = job.system.parameter(index) else { break };
+            let Some((name, own)) = job.systems.common.parameter(index) else { break };
             let value = |system: &H| system.parameter(index).map_or(f64::NAN, |(_, value)| value);
-            let first = job.systems.first().map_or(own, value);
-            if job.systems.iter().all(|system| value(system).to_bits() == first.to_bits()) {
+            let first = job.systems.own.first().map_or(own, value);
+            if job.systems.own.iter().all(|system| value(system).to_bits() == first.to_bits()) {
                 parameters.push((name.to_owned(), first));
-            } else if job.empty.paths.is_some() {
-                varying.push((name.to_owned(), job.systems.iter().map(value).collect()));
+            } else if job.observed.empty.paths.is_some() {
+                varying.push((name.to_owned(), job.systems.own.iter().map(value).collect()));
             }
         }
         Self {
@@ -24,10 +24,10 @@ impl Provenance {
             system: short_name::<H>(),
             scheme: short_name::<E>(),
             no_equilibrium: disequilibrium(&H::PLAN, &H::PROPERTIES),
-            h: job.h,
-            start: job.start.t,
-            steps: job.steps,
-            seed: job.seed,
+            h: job.grid.h,
+            start: job.starts.first.t,
+            steps: job.grid.steps,
+            seed: job.starts.seed,
             noise: if job.processes() == 0 { "none".into() } else { job.source.in_words() },
             paths: job.paths,
         }

@@ -55,7 +55,7 @@ pub(super) fn open<H: Discretized<E>, E>(
     if job.source.identity().is_none() {
         return Err(CheckpointError::Noise.into());
     }
-    let extent = RunExtent { kind: CheckpointKind::Ensemble, all: job.paths, unit: job.chunk() };
+    let extent = RunExtent { kind: CheckpointKind::Ensemble, all: job.paths, unit: job.chunk };
     keeping.open(extent, described(job, [])?, &mut |tape| statistics.pass(tape))
 }
 
@@ -64,8 +64,8 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
     job: &EnsembleJob<'_, H, E>,
     more: [(&str, String); MORE],
 ) -> Result<RunDescription, Error> {
-    let (empty, names) = (&job.empty, job.empty.observables());
-    let nodes: Vec<u64> = job.recorded.iter().map(|recorded| recorded.node).collect();
+    let (empty, names) = (&job.observed.empty, job.observed.empty.observables());
+    let nodes: Vec<u64> = job.observed.recorded.iter().map(|recorded| recorded.node).collect();
     let listed = match nodes.len() {
         0..=MOST_LISTED => format!("{nodes:?}"),
         count => format!("{count} (checksum {})", checkpoint::checksum(nodes)),
@@ -82,10 +82,10 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
     let quantiles = first.is_some_and(|node| node.quantiles(0).is_some());
     let has_covariances = first.is_some_and(StatisticsNode::has_covariances);
     let settings = [
-        ("the number of steps", job.steps.to_string()),
+        ("the number of steps", job.grid.steps.to_string()),
         ("the steps before the recorded nodes", listed),
-        ("the largest normal increment", format!("{:?}", job.source.clip(job.h))),
-        ("the number of paths in a chunk", job.chunk().to_string()),
+        ("the largest normal increment", format!("{:?}", job.source.clip(job.grid.h))),
+        ("the number of paths in a chunk", job.chunk.to_string()),
         ("the observables", names.join(", ")),
         ("the events", events.join(", ")),
         ("quantiles", quantiles.to_string()),
@@ -102,7 +102,7 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
     }
     let (of_starts, drawn) = starts(job)?;
     settings.push(of_starts);
-    let inside = job.recorded.iter().filter(|recorded| recorded.is_inside);
+    let inside = job.observed.recorded.iter().filter(|recorded| recorded.is_inside);
     let inside: Vec<u64> = inside.map(|recorded| recorded.t.to_bits()).collect();
     if !inside.is_empty() {
         settings
@@ -116,10 +116,11 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
         settings.push(("the statistics that were added".to_owned(), added.join(", ")));
         settings.push(("their settings (checksum)".to_owned(), checkpoint::checksum(words)));
     }
-    settings.extend(checkpoint::sections(&job.sections, &job.start));
+    settings.extend(checkpoint::sections(&job.crossed.sections, &job.starts.first));
     settings.extend(systems(job));
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
-    let described = RunDescription::of(job.system, &job.prepared, job.h, &job.start, settings);
+    let described =
+        RunDescription::of(job.systems.common, &job.prepared.whole, job.grid.h, &job.starts.first, settings);
     Ok(described.starting(drawn).observing(&observed(job)?))
 }
 
@@ -130,12 +131,12 @@ fn starts<H: Discretized<E>, E>(
 ) -> Result<((String, String), Vec<u64>), ConfigError> {
     let name = "the states where paths start";
     let said = |what: &str| (name.to_owned(), what.to_owned());
-    let Some(starts) = &job.starts else { return Ok((said("one state"), Vec::new())) };
+    let Some(starts) = &job.starts.own else { return Ok((said("one state"), Vec::new())) };
     let listed = starts.listed();
     let mut checksums = Vec::new();
     for path in 0..listed.unwrap_or(COMPARED_STARTS.min(job.paths)) {
         let State { q, p, .. } =
-            starts.of(DrawPurpose::Start, job.seed, path).ok_or(ConfigError::Missing(STARTS))?;
+            starts.of(DrawPurpose::Start, job.starts.seed, path).ok_or(ConfigError::Missing(STARTS))?;
         let mut checksum = Checksum::default();
         q.components().iter().chain(p.components()).for_each(|x| checksum.add(&x.to_bits().to_le_bytes()));
         checksums.push(checksum.value());
@@ -148,12 +149,12 @@ fn starts<H: Discretized<E>, E>(
 
 /// What tells systems apart: the numbers that their Hamiltonians read.
 fn systems<H: Discretized<E>, E>(job: &EnsembleJob<'_, H, E>) -> Option<(String, String)> {
-    let numbers = job.systems.iter().flat_map(|system| {
+    let numbers = job.systems.own.iter().flat_map(|system| {
         let named = (0..).map_while(|index| system.parameter(index));
         named.map(|(_, value)| value.to_bits())
     });
     let bits: Vec<u64> = numbers.collect();
-    (!job.systems.is_empty())
+    (job.systems.are_own())
         .then(|| ("the systems of the paths (checksum)".into(), checkpoint::checksum(bits)))
 }
 
@@ -163,15 +164,15 @@ fn observed<H: Discretized<E>, E>(job: &EnsembleJob<'_, H, E>) -> Result<Vec<f64
     let mut seen = Vec::new();
     let mut see = |state: &State<H::Vector>| {
         let first = seen.len();
-        seen.resize(first + job.observables.len(), 0.0);
+        seen.resize(first + job.observed.observables.len(), 0.0);
         job.observe(0, state, &mut seen[first..]);
-        seen.extend(job.events.iter().map(|event| event(state)));
+        seen.extend(job.crossed.events.iter().map(|event| event(state)));
     };
-    let (mut state, mut dw, steps) = (job.start.clone(), vec![0.0; job.processes()], job.grid.whole());
+    let (mut state, mut dw, steps) = (job.starts.first.clone(), vec![0.0; job.processes()], job.grid.whole());
     see(&state);
     let mut noise = job.source.path(0);
     let mut path = SinglePath {
-        stepper: &mut Stepper::<H, E, _>::of_many_paths(job.system_of(0), job.h, false)?,
+        stepper: &mut Stepper::<H, E, _>::of_many_paths(job.systems.of(0), job.grid.h, false)?,
         state: &mut state,
         noise: &mut Some(&mut *noise),
         dw: &mut dw,

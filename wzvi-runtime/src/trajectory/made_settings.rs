@@ -25,7 +25,7 @@ pub(crate) enum MadeSetting {
     KeepPaths,
     Observe,
     ObserveWork,
-    /// Those that read the system of a path, as temperatures do.
+    /// Observables that read the system of a path, as temperatures do.
     OwnObservables,
     /// One that is not `StepNormals`.
     OtherNoise,
@@ -92,7 +92,7 @@ impl MadeSetting {
     }
 }
 
-/// Of these, the settings that were made.
+/// The settings among these that were made.
 pub(crate) fn made<const N: usize>(settings: [(MadeSetting, bool); N]) -> impl Iterator<Item = MadeSetting> {
     settings.into_iter().filter_map(|(setting, is_made)| is_made.then_some(setting))
 }

@@ -1,142 +1,133 @@
-//! The energy of paths beside each other: each is watched as if it were alone.
+//! The energy of each path of a group is monitored as if it were alone ([`EnergyMonitor`]).
 
-use super::{Group, Systems};
-use crate::algebra::state::{State, copy_state};
+use super::halving::Halving;
+use super::paths::LanePaths;
+use super::steps::{GroupStep, StepPaths};
+use crate::ensemble::job::EnsembleJob;
 use crate::error::StepError;
 use crate::scheme::system::Discretized;
-use crate::trajectory::watch::{EnergyMonitor, MotionSize, keeps_energy, next_look};
+use crate::trajectory::Error;
+use crate::trajectory::watch::{EnergyMonitor, MonitorScratch, keeps_energy};
 
-/// The size of the motion of each path, from the steps that a single path looks at: so both divide a step
-/// alike.
-pub(super) struct Motions<V> {
-    /// The next of these steps; the largest number if no step is divided.
-    pub(super) next: u64,
-    /// By lane, where that step began.
-    before: Vec<State<V>>,
-    so_far: Vec<MotionSize>,
+/// `L` paths that end where their energy has changed for good.
+pub(super) struct Watched<'j, 'a, H: Discretized<E>, E, T, const L: usize> {
+    job: &'j EnsembleJob<'a, H, E>,
+    pub(super) halving: Halving<'j, 'a, H, E, T, L>,
+    /// By lane; none where nothing is monitored.
+    monitors: Vec<EnergyMonitor<H::Vector>>,
+    /// The next step at which one of them tests.
+    next: u64,
+    /// The scratch of the lanes whose energy is tested in this step.
+    tested: Vec<(usize, Box<MonitorScratch<H::Vector>>)>,
 }
 
-impl<V> Motions<V> {
-    /// Its mean along the path of a lane.
-    pub(super) fn of(&self, lane: usize) -> Option<f64> {
-        self.so_far.get(lane)?.mean()
-    }
-}
-
-impl<V> Default for Motions<V> {
-    fn default() -> Self {
-        Self { next: u64::MAX, before: Vec::new(), so_far: Vec::new() }
-    }
-}
-
-impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L> {
-    /// Monitors the energy of all paths from their starts.
-    pub(super) fn watch_from_start(&mut self) {
-        if !const { keeps_energy::<H, E>() } {
-            return;
-        }
-        if self.job.retry.most() > 0 {
-            self.motions.next = 0;
-            self.motions.so_far.clear();
-            self.motions.so_far.resize(L, MotionSize::default());
-        }
-        if !self.job.is_watched {
-            return;
-        }
-        self.watches.resize_with(L, EnergyMonitor::default);
-        let steps = self.job.grid.whole();
-        self.watches.iter_mut().for_each(|watch| watch.restart::<H, E>(steps));
-        self.find_next_look();
+impl<'j, 'a, H, E, T, const L: usize> Watched<'j, 'a, H, E, T, L>
+where
+    H: Discretized<E>,
+    T: StepPaths<'j, H, E, L>,
+{
+    pub(super) fn new(job: &'j EnsembleJob<'a, H, E>, paths: T) -> Self {
+        let halving = Halving::new(job, paths);
+        Self { job, halving, monitors: Vec::new(), next: u64::MAX, tested: Vec::new() }
     }
 
-    /// Before a step whose motion counts.
+    /// The next paths begin.
+    pub(super) fn begin(&mut self, lanes: &LanePaths<L>) {
+        self.halving.begin();
+        if const { keeps_energy::<H, E>() } && self.job.is_watched {
+            self.monitors.resize_with(L, EnergyMonitor::default);
+            let steps = self.job.grid.whole();
+            self.monitors.iter_mut().for_each(|monitor| monitor.restart::<H, E>(steps));
+            self.find_next(lanes);
+        }
+    }
+
+    /// [`StepPaths::restart`]
+    pub(super) fn restart(&mut self, step: u64, size: f64, lanes: &LanePaths<L>) -> Result<(), Error> {
+        // A last step that is shorter is none of the steps that are compared.
+        self.next = u64::MAX;
+        self.halving.restart(step, size, lanes)
+    }
+
+    /// Takes a step; paths end that cannot take it, or whose energy has changed for good.
+    ///
+    /// # Errors
+    /// If the run cannot go on.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn step(&mut self, mut step: GroupStep<'_, 'j, L>) -> Result<(), Error> {
+        if const { keeps_energy::<H, E>() } && step.number == self.next {
+            self.begin_test(step.lend());
+        }
+        self.halving.step(step.lend())?;
+        if const { keeps_energy::<H, E>() } && !self.tested.is_empty() {
+            self.end_test(step.lend());
+        }
+        if const { keeps_energy::<H, E>() } && step.number + 1 == self.job.grid.steps {
+            self.arrive(step);
+        }
+        Ok(())
+    }
+
+    /// Before a step that is tested.
     #[cold]
     #[inline(never)]
-    pub(super) fn begin_motion(&mut self) {
-        let mut before = std::mem::take(&mut self.motions.before);
-        if before.is_empty() {
-            before.resize(L, self.job.start.clone());
-        }
-        for (lane, before) in before.iter_mut().enumerate() {
-            copy_state(before, self.observed_state(lane));
-        }
-        self.motions.before = before;
-    }
-
-    /// After it.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn end_motion(&mut self, step: u64) {
-        let (h, mut motions) = (self.job.h, std::mem::take(&mut self.motions));
-        for (lane, (motion, before)) in motions.so_far.iter_mut().zip(&motions.before).enumerate() {
-            motion.add(h, [before, self.observed_state(lane)]);
-        }
-        motions.next = next_look(step);
-        self.motions = motions;
-    }
-
-    /// Before a step that is looked at.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn begin_look(&mut self, step: u64) {
-        for lane in 0..L {
-            if self.is_over(lane) || !self.watches[lane].looks_at(step) {
-                continue;
+    fn begin_test(&mut self, step: GroupStep<'_, 'j, L>) {
+        let Self { job, halving, monitors, tested, .. } = self;
+        for (lane, monitor) in monitors.iter_mut().enumerate() {
+            if step.lanes.goes_on(lane) && monitor.looks_at(step.number) {
+                let (system, state) =
+                    (job.systems.of(step.lanes.number(lane)), halving.inner.state_at(lane, step.t));
+                tested.push((lane, monitor.begin::<H, E>(system, job.grid.h, state)));
             }
-            let mut watch = std::mem::take(&mut self.watches[lane]);
-            let (job, path) = (self.job, self.source_of(lane));
-            let room = watch.begin::<H, E>(job.system_of(path), job.h, self.state_at(lane, step));
-            self.looked.push((lane, room));
-            self.watches[lane] = watch;
         }
-        if self.looked.is_empty() {
+        if self.tested.is_empty() {
             // The test was due in a lane whose path has failed since.
-            self.find_next_look();
+            self.find_next(step.lanes);
         }
     }
 
     /// After it: a path whose energy has changed for good ends.
     #[cold]
     #[inline(never)]
-    pub(super) fn end_look(&mut self, step: u64) {
-        let mut looked = std::mem::take(&mut self.looked);
-        for (lane, room) in looked.drain(..) {
-            let (job, path) = (self.job, self.source_of(lane));
-            let mut state = self.state_at(lane, step + 1).clone();
-            let outcome = self.watches[lane].end::<H, E>(room, job.system_of(path), job.h, &mut state, step);
-            match outcome {
-                Err(error) if !self.failed[lane] => self.fail(lane, error),
-                _ => {}
+    fn end_test(&mut self, step: GroupStep<'_, 'j, L>) {
+        let end = self.job.grid.time(step.number + 1);
+        let mut tested = std::mem::take(&mut self.tested);
+        for (lane, room) in tested.drain(..) {
+            let Self { job, halving, monitors, .. } = self;
+            let system = job.systems.of(step.lanes.number(lane));
+            let state = halving.inner.state_at(lane, end);
+            let kept = monitors[lane].end::<H, E>(room, system, job.grid.h, state, step.number);
+            if let Err(error) = kept
+                && !step.lanes.has_failed(lane)
+            {
+                self.halving.fail(lane, error, step.lanes);
             }
         }
-        self.looked = looked;
-        self.find_next_look();
+        self.tested = tested;
+        self.find_next(step.lanes);
     }
 
     /// At the end of the paths, after this step: their energy is a number.
     #[cold]
     #[inline(never)]
-    pub(super) fn arrive(&mut self, step: u64) {
-        for lane in 0..L.min(self.watches.len()) {
-            if self.is_over(lane) {
+    fn arrive(&mut self, step: GroupStep<'_, 'j, L>) {
+        let end = self.job.grid.time(step.number + 1);
+        for lane in 0..self.monitors.len() {
+            if !step.lanes.goes_on(lane) {
                 continue;
             }
-            let (watch, job, path) =
-                (std::mem::take(&mut self.watches[lane]), self.job, self.source_of(lane));
-            let arrived = watch.arrive::<H, E>(job.system_of(path), self.state_at(lane, step + 1));
-            self.watches[lane] = watch;
+            let Self { job, halving, monitors, .. } = self;
+            let system = job.systems.of(step.lanes.number(lane));
+            let arrived = monitors[lane].arrive::<H, E>(system, halving.inner.state_at(lane, end));
             if let Err(cause) = arrived {
-                self.fail(lane, StepError { step, t: self.time(step), h: self.size, cause });
+                let error = StepError { step: step.number, t: step.t, h: self.halving.size(), cause };
+                self.halving.fail(lane, error, step.lanes);
             }
         }
     }
 
-    fn is_over(&self, lane: usize) -> bool {
-        !self.counts[lane] || self.failed[lane]
-    }
-
-    fn find_next_look(&mut self) {
-        let lanes = self.watches.iter().enumerate().filter(|(lane, _)| !self.is_over(*lane));
-        self.next_look = lanes.map(|(_, watch)| watch.next_tested()).min().unwrap_or(u64::MAX);
+    fn find_next(&mut self, lanes: &LanePaths<L>) {
+        let monitors = self.monitors.iter().enumerate().filter(|(lane, _)| lanes.goes_on(*lane));
+        self.next = monitors.map(|(_, monitor)| monitor.next_tested()).min().unwrap_or(u64::MAX);
     }
 }

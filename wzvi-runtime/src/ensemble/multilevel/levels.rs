@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::estimate::{FINE, MultilevelEstimate, bias, variance_bounds, variance_slope};
 use crate::algebra::lanes::instructions::InstructionSet;
-use crate::ensemble::chunk::{PATHS_IN_LANES, in_chunks};
+use crate::ensemble::chunk::{PATHS, in_chunks};
 use crate::ensemble::job::EnsembleJob;
 use crate::ensemble::run_identity::described;
 use crate::ensemble::starts::Paired;
@@ -76,7 +76,7 @@ impl LevelProgress {
 
     /// Chunks of all levels.
     fn chunks(&self) -> u64 {
-        self.found.iter().map(|level| level.begun() / PATHS_IN_LANES).sum()
+        self.found.iter().map(|level| level.begun() / PATHS).sum()
     }
 
     /// Whether the observable is the same number on all paths.
@@ -93,27 +93,27 @@ impl LevelProgress {
 /// What is to be found out of a level, of no path yet.
 fn known<H: Discretized<E>, E>(job: &EnsembleJob<'_, H, E>) -> Statistics {
     let node = StatisticsNode::new(2, false, (false, false), Vec::new());
-    let nodes = RecordedNodes::new(&[job.grid.time(job.steps)], &node, Vec::new());
+    let nodes = RecordedNodes::new(&[job.grid.time(job.grid.steps)], &node, Vec::new());
     Statistics::new(["fine", "difference"].map(str::to_owned).into(), nodes)
 }
 
 /// The coarsest level, from the ensemble in its steps, of which the end counts.
 fn coarsest<'a, H: Discretized<E>, E>(mut job: EnsembleJob<'a, H, E>) -> EnsembleJob<'a, H, E> {
-    job.recorded.drain(..job.recorded.len().saturating_sub(1));
+    job.observed.recorded.drain(..job.observed.recorded.len().saturating_sub(1));
     // All chunks are whole: a level goes on after its last one.
-    job.paths = u64::MAX;
-    job.empty = known(&job);
+    (job.paths, job.chunk) = (u64::MAX, PATHS);
+    job.observed.empty = known(&job);
     job
 }
 
 /// Steps of a path: of a fine one, and of the coarse one beside it.
 fn steps<H: Discretized<E>, E>(job: &EnsembleJob<'_, H, E>) -> u64 {
-    if job.level == 0 { job.steps } else { job.steps + job.steps / 2 }
+    if job.level == 0 { job.grid.steps } else { job.grid.steps + job.grid.steps / 2 }
 }
 
 /// The least number of paths of a level. Coarse levels get more, so that all levels take about as many steps.
 fn least_paths(level: u32) -> u64 {
-    PATHS_IN_LANES << 4u32.saturating_sub(level)
+    PATHS << 4u32.saturating_sub(level)
 }
 
 impl<'a, H, E> MultilevelRun<'a, H, E>
@@ -140,7 +140,7 @@ where
                 ("the most paths of a level", most_paths.to_string()),
                 ("the most paths of an observable with one value", most_constant.to_string()),
             ];
-            let extent = RunExtent { kind: CheckpointKind::Multilevel, all: u64::MAX, unit: PATHS_IN_LANES };
+            let extent = RunExtent { kind: CheckpointKind::Multilevel, all: u64::MAX, unit: PATHS };
             keeper = keeping.open(extent, described(&job, settings)?, &mut |tape| reached.pass(tape))?;
         }
         let mut jobs = vec![coarsest(job)];
@@ -201,7 +201,7 @@ where
     fn add_level(&mut self) -> Result<(), Error> {
         if let Some(finest) = self.jobs.last() {
             let job = finest.finer()?;
-            self.reached.found.push(job.empty.clone());
+            self.reached.found.push(job.observed.empty.clone());
             self.jobs.push(job);
         }
         Ok(())
@@ -216,8 +216,8 @@ where
         for (level, job) in jobs.iter().enumerate() {
             let missing = || InternalError::new("a level that has paths is there", level);
             let wanted = *reached.wanted.get(level).ok_or_else(missing)?;
-            let first = reached.count(level) / PATHS_IN_LANES;
-            let end = wanted.min(limits.most_paths).next_multiple_of(least_paths(job.level)) / PATHS_IN_LANES;
+            let first = reached.count(level) / PATHS;
+            let end = wanted.min(limits.most_paths).next_multiple_of(least_paths(job.level)) / PATHS;
             let mut outcome = Ok(ControlFlow::Continue(()));
             in_chunks::<H, E, Paired, WIDTH>(job, coarse, first..end.max(first), *hands, |chunk| {
                 let take = || {
@@ -271,7 +271,7 @@ where
     fn estimate(&self, is_partial: bool) -> MultilevelEstimate {
         let is_constant = self.reached.is_constant();
         let known = self.jobs.iter().zip(&self.reached.found).filter(|(_, found)| found.begun() > 0);
-        let known = known.filter_map(|(job, found)| Some((job.h, steps(job), found.last()?)));
+        let known = known.filter_map(|(job, found)| Some((job.grid.h, steps(job), found.last()?)));
         let met = |error: f64, bias: f64| {
             !is_partial
                 && !is_constant
