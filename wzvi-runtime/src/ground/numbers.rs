@@ -76,6 +76,17 @@ impl<T: Numbers + Default> Numbers for Vec<T> {
     }
 }
 
+/// Whether it is there comes first.
+impl<T: Numbers + Default> Numbers for Option<Box<T>> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let mut is_there = self.is_some();
+        tape.flag(&mut is_there);
+        if is_there {
+            self.get_or_insert_default().pass(tape);
+        }
+    }
+}
+
 /// `Numbers` of a struct from the list of its fields:
 ///
 /// ```text

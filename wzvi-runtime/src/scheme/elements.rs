@@ -46,6 +46,7 @@ mod linear;
 mod memory;
 mod pairs;
 mod passes;
+mod past;
 #[doc(hidden)]
 pub mod places;
 mod preference;

@@ -18,7 +18,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
     #[inline(never)]
     pub(super) fn careful(self, memory: &mut LoopMemory<S>) -> Result<Effort, StepFailure> {
         memory.solver.kept.lose();
-        let known = memory.known;
+        let known = memory.solver.past.known;
         let mut scratch = memory.scratch(self.scheme, self.degrees());
         scratch.guess(known);
         let LoopScratch { mut lists, solver, .. } = scratch;

@@ -12,6 +12,7 @@ use super::{Elements, LoopMemory};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Effort, astray};
 use crate::error::StepFailure;
+use crate::ground::numbers::numbers;
 
 /// Residual of equations for derivatives that are solved by iteration, in each of [`PASSES`].
 const TOLERANCE: f64 = 1e-10;
@@ -29,6 +30,10 @@ pub(super) struct ScalarSolution<S> {
     solved: Vec<S>,
     /// Whether they have taken this step, and there are factors of its Jacobian.
     pub(super) are_solved: bool,
+}
+
+numbers! {
+    impl[S] Numbers for ScalarSolution<S> { kept: memory; scratch: q, p, dw, solved, are_solved }
 }
 
 impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {

@@ -110,9 +110,9 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: StateSum<S>, const CAREFUL:
             false
         };
         match (remembers, is_recorded) {
-            (true, true) => memory.count_past(),
+            (true, true) => memory.solver.past.count(),
             (true, false) => memory.record(scheme, degrees),
-            (false, _) => memory.known = 0,
+            (false, _) => memory.solver.past.known = 0,
         }
         (Effort::fast(solved.iterations), solved.solution)
     };

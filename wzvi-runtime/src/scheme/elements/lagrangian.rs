@@ -161,10 +161,10 @@ fn momentum_increment<H: Elements>(
         ends.are_joined_by(&v).then_some(v)
     };
     let from = |memory: &mut LoopMemory<f64>, v: Vec<f64>| {
-        for past in &mut memory.solver.past {
+        for past in &mut memory.solver.past.lists {
             past.clone_from(&v);
         }
-        memory.known = 1;
+        memory.solver.past.known = 1;
         solved(memory)
     };
     solved(&mut memory)

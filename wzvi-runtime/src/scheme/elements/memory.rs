@@ -6,6 +6,7 @@ use super::factor_cache::FactorCache;
 use super::jacobian::{VisitEntry, pattern};
 use super::lanes::is_in_lanes;
 use super::linear::LinearSolver;
+use super::past::PastUnknowns;
 use super::preference::Preference;
 use super::rounding::Rounding;
 use super::tiles::{LEAST_IN_TILES, TilePlan, TiledSweeps, takes_tiles};
@@ -14,7 +15,7 @@ use crate::algebra::memory::{Iteration, MemoryRequest, Method, SolverReport, Ste
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::NewtonScratch;
 use crate::error::StepFailure;
-use crate::ground::numbers::{Numbers, Tape};
+use crate::ground::numbers::numbers;
 
 /// Vectors of one step, unknowns of past steps, and the matrix.
 #[derive(Default)]
@@ -23,7 +24,6 @@ pub struct LoopMemory<S: Scalar> {
     /// Number of unknowns that are remembered of each step.
     remembered: usize,
     pub(super) work: StepScratch<S>,
-    pub(super) known: u8,
     pub(super) solver: IterationMemory<S>,
     /// The tiles of explicit steps of a large system.
     pub(super) plan: TilePlan,
@@ -37,8 +37,7 @@ pub(super) struct IterationMemory<S: Scalar> {
     pub(super) iteration: Iteration,
     /// `∂u/∂v` where that is diagonal.
     pub(super) diagonal: Vec<S>,
-    /// Unknowns of past steps, the latest first.
-    pub(super) past: [Vec<S>; 3],
+    pub(super) past: PastUnknowns<S>,
     pub(super) preference: Preference,
     pub(super) costs: Costs,
     pub(super) linear: Option<LinearSolver<S>>,
@@ -229,8 +228,8 @@ impl<S: Scalar> LoopMemory<S> {
     /// starts from them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn scratch(&mut self, scheme: &Quadrature, degrees: usize) -> LoopScratch<'_, S> {
-        let Self { work, solver, plan, known, .. } = self;
-        let known = if scheme.remembers { *known } else { 0 };
+        let Self { work, solver, plan, .. } = self;
+        let known = if scheme.remembers { solver.past.known } else { 0 };
         LoopScratch {
             lists: work.lists(scheme, degrees),
             solver,
@@ -244,17 +243,7 @@ impl<S: Scalar> LoopMemory<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn record(&mut self, scheme: &Quadrature, degrees: usize) {
         let StepLists { x, .. } = self.work.lists(scheme, degrees);
-        if self.solver.past[0].len() != x.len() {
-            self.solver.past.iter_mut().for_each(|past| past.resize(x.len(), S::from_f64(0.0)));
-        }
-        self.solver.past.rotate_right(1);
-        self.solver.past[0].copy_from_slice(x);
-        self.count_past();
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn count_past(&mut self) {
-        self.known = (self.known + 1).min(3);
+        self.solver.past.record(x);
     }
 }
 
@@ -273,7 +262,7 @@ impl<S: Scalar> LoopScratch<'_, S> {
         if known == 0 {
             return x.fill(S::from_f64(0.0));
         }
-        let [a, b, c] = self.solver.past.each_ref().map(|past| &past[..x.len()]);
+        let [a, b, c] = self.solver.past.lists.each_ref().map(|past| &past[..x.len()]);
         match known {
             1 => x.copy_from_slice(a),
             2 => {
@@ -301,13 +290,12 @@ impl<S: Scalar> LoopScratch<'_, S> {
 /// Shows the data of earlier steps; scratch is meaningless outside its step.
 impl<S: Scalar> std::fmt::Debug for LoopMemory<S> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { degrees, known, solver: IterationMemory { iteration, past, preference, .. }, .. } = self;
+        let Self { degrees, solver: IterationMemory { iteration, past, preference, .. }, .. } = self;
         formatter
             .debug_struct("LoopMemory")
             .field("degrees", degrees)
             .field("iteration", iteration)
-            .field("past", &&past[..usize::from(*known).min(past.len())])
-            .field("known", known)
+            .field("past", past)
             .field("preference", preference)
             .finish_non_exhaustive()
     }
@@ -323,52 +311,26 @@ impl<S: Scalar> Clone for LoopMemory<S> {
 
     /// Copies the data of earlier steps and keeps its own allocations.
     fn clone_from(&mut self, other: &Self) {
-        if other.known > 0 {
-            self.solver.past.clone_from(&other.solver.past);
-        }
-        self.known = other.known;
+        self.solver.past.copy(&other.solver.past);
         (self.solver.iteration, self.solver.preference) = (other.solver.iteration, other.solver.preference);
         self.solver.kept.clone_from(&other.solver.kept);
     }
 }
 
-/// By hand: past unknowns are there once a step is known, and values for one type of numbers only.
-impl<S: Scalar> Numbers for LoopMemory<S> {
-    fn pass(&mut self, tape: &mut Tape) {
-        // `iteration` and `plan` are settings, all other fields without a name are scratch.
-        let Self { known, solver, values, degrees: _, remembered: _, work: _, plan: _ } = self;
-        let IterationMemory {
-            past,
-            preference,
-            kept,
-            iteration: _,
-            diagonal: _,
-            costs: _,
-            linear: _,
-            rounding: _,
-            sweeps: _,
-            care: _,
-        } = solver;
-        let unknowns = tape.length(if *known == 0 { 0 } else { past[0].len() });
-        tape.count(known);
-        preference.pass(tape);
-        if unknowns != 0 {
-            for past in past {
-                past.resize(unknowns, S::from_f64(0.0));
-                past.iter_mut().for_each(|number| number.pass(tape));
-            }
-        }
-        kept.pass(tape);
-        if const { S::IS_PLAIN_DUAL } {
-            let mut is_there = values.is_some();
-            tape.flag(&mut is_there);
-            if is_there {
-                values.get_or_insert_default().memory.pass(tape);
-            }
-        }
+numbers! {
+    impl[S: Scalar] Numbers for LoopMemory<S> {
+        kept: solver, values; fixed: plan; scratch: degrees, remembered, work
     }
 }
 
+numbers! {
+    impl[S: Scalar] Numbers for IterationMemory<S> {
+        kept: past, preference, kept; fixed: iteration; scratch: diagonal, costs, linear, rounding, sweeps, care
+    }
+}
+
+/// By hand, as requests and copies are none of the parts: see
+/// [`step_memory!`](crate::algebra::memory::step_memory).
 impl<S: Scalar> StepMemory for LoopMemory<S> {
     fn tell(&mut self, request: &MemoryRequest) {
         if let Some(values) = &mut self.values {
@@ -376,11 +338,11 @@ impl<S: Scalar> StepMemory for LoopMemory<S> {
         }
         match request {
             MemoryRequest::Forget => {
-                self.known = 0;
+                self.solver.past.known = 0;
                 self.solver.preference = Preference::default();
                 self.solver.kept.forget();
             }
-            MemoryRequest::Hold => self.known = self.known.min(1),
+            MemoryRequest::Hold => self.solver.past.known = self.solver.past.known.min(1),
             MemoryRequest::Pin(iteration) => self.solver.iteration = *iteration,
             MemoryRequest::Share(threads) => {
                 self.plan.share(*threads);
@@ -395,8 +357,7 @@ impl<S: Scalar> StepMemory for LoopMemory<S> {
     }
 
     fn adopt(&mut self, left: Self) {
-        (self.solver.past, self.known, self.solver.preference) =
-            (left.solver.past, left.known, left.solver.preference);
+        (self.solver.past, self.solver.preference) = (left.solver.past, left.solver.preference);
         if self.degrees == 0 {
             (self.degrees, self.remembered) = (left.degrees, left.remembered);
             (self.work, self.solver.linear, self.solver.costs) =
@@ -405,11 +366,12 @@ impl<S: Scalar> StepMemory for LoopMemory<S> {
         } else {
             self.solver.kept.clone_from(&left.solver.kept);
         }
+        let past = &mut self.solver.past;
         if self.remembered == 0 {
-            self.known = 0;
+            past.known = 0;
         }
-        if self.known == 0 && self.solver.past[0].len() != self.remembered {
-            self.solver.past.iter_mut().for_each(|past| past.resize(self.remembered, S::from_f64(0.0)));
+        if past.known == 0 && past.lists[0].len() != self.remembered {
+            past.resize(self.remembered);
         }
     }
 
@@ -474,10 +436,10 @@ impl<S: Scalar> LoopMemory<S> {
         let remembered = if scheme.remembers { unknowns } else { 0 };
         self.remembered = remembered;
         // A copy already has its past.
-        if self.known == 0 || self.solver.past[0].len() != unknowns {
-            let past = || vec![S::from_f64(0.0); remembered];
-            self.solver.past = [past(), past(), past()];
-            self.known = 0;
+        let past = &mut self.solver.past;
+        if past.known == 0 || past.lists[0].len() != unknowns {
+            *past = PastUnknowns::default();
+            past.resize(remembered);
         }
         self.degrees = degrees;
         self.solver.kept.lose();

@@ -7,7 +7,7 @@
 //! before. Where the Jacobian suggests that the fixed point does not contract, it is tried in one of
 //! [`RARELY`] steps nevertheless: the Jacobian shows the contraction of one correction only.
 
-use crate::ground::numbers::Tape;
+use crate::ground::numbers::{Numbers, Tape};
 
 /// Consecutive failed trials after which the wait stays at 64 steps.
 const MOST_IN_VAIN: u8 = 6;
@@ -64,8 +64,10 @@ impl Preference {
             }
         }
     }
+}
 
-    pub(super) fn pass(&mut self, tape: &mut Tape) {
+impl Numbers for Preference {
+    fn pass(&mut self, tape: &mut Tape) {
         tape.count(&mut self.steps);
         tape.count(&mut self.in_vain);
         tape.count(&mut self.against);

@@ -158,7 +158,8 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         let Some(step) = self.plain() else { return false };
         let threads = scratch.threads;
         let sweeps = scratch.solver.sweeps.get_or_insert_with(|| Box::new(TiledSweeps::new(&step, threads)));
-        let [Some(a), Some(b), Some(c)] = scratch.solver.past.each_ref().map(|past| S::as_f64s(past)) else {
+        let [Some(a), Some(b), Some(c)] = scratch.solver.past.lists.each_ref().map(|past| S::as_f64s(past))
+        else {
             return false;
         };
         let Some(mut lists) = scratch.lists.plain() else { return false };
@@ -287,8 +288,8 @@ impl<S: Scalar> LoopScratch<'_, S> {
             return missing;
         };
         let past = if remembers {
-            self.solver.past.rotate_right(1);
-            S::as_f64s_mut(&mut self.solver.past[0]).unwrap_or_default()
+            self.solver.past.lists.rotate_right(1);
+            S::as_f64s_mut(&mut self.solver.past.lists[0]).unwrap_or_default()
         } else {
             &mut []
         };
