@@ -126,12 +126,12 @@ fn are_finite(lists: [&[f64]; 4]) -> bool {
 /// The point beyond which the curve of solutions could not be followed.
 pub(crate) struct ContinuationLimit {
     pub(crate) reached: f64,
-    pub(crate) cause: Cause,
+    pub(crate) end: EndOfCurve,
 }
 
 /// Why a curve could not be followed, as far as the shortest parts resolve it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Cause {
+pub(crate) enum EndOfCurve {
     /// It ends at a fold.
     Fold,
     /// It ends at a jump of the equations.
@@ -152,15 +152,15 @@ impl<H: Discretized<E>, E, C: StateSum<f64>> HardStep<'_, H, E, C> {
             }
             found => match self.follow() {
                 Ok(end) => Ok(end),
-                Err(ContinuationLimit { reached, cause: Cause::Fold }) => {
+                Err(ContinuationLimit { reached, end: EndOfCurve::Fold }) => {
                     Err(StepFailure::NoSolution { reached })
                 }
-                Err(ContinuationLimit { reached, cause }) => match found {
+                Err(ContinuationLimit { reached, end }) => match found {
                     Ok(found) if !found.effort.is_elsewhere() => {
                         let effort = Effort { doubt: Doubt::Straying, ..found.effort };
                         Ok(Continued { effort, ..found }.leaving(memory))
                     }
-                    Err(failure) if cause == Cause::Unknown => Err(failure),
+                    Err(failure) if end == EndOfCurve::Unknown => Err(failure),
                     Ok(_) | Err(_) => Err(StepFailure::NoSolution { reached }),
                 },
             },
@@ -194,10 +194,10 @@ impl<H: Discretized<E>, E, C: StateSum<f64>> HardStep<'_, H, E, C> {
             Ok(end) => {
                 Ok(if end.effort.is_doubtful() || is_same([&end.q, &end.p]) { None } else { Some(end) })
             }
-            Err(ContinuationLimit { reached, cause: Cause::Fold }) => {
+            Err(ContinuationLimit { reached, end: EndOfCurve::Fold }) => {
                 Err(StepFailure::NoSolution { reached })
             }
-            Err(ContinuationLimit { cause: Cause::Jump | Cause::Unknown, .. }) => Ok(None),
+            Err(ContinuationLimit { end: EndOfCurve::Jump | EndOfCurve::Unknown, .. }) => Ok(None),
         }
     }
 
@@ -219,7 +219,7 @@ impl<H: Discretized<E>, E, C: StateSum<f64>> HardStep<'_, H, E, C> {
     /// The solution that continues the state, or where it ends.
     pub(crate) fn follow(&self) -> Result<ContinuedStep<H, E, C>, ContinuationLimit> {
         match self.follow_parts(true) {
-            Err(ContinuationLimit { cause: Cause::Unknown, .. }) => {
+            Err(ContinuationLimit { end: EndOfCurve::Unknown, .. }) => {
                 let mut end = self.follow_parts(false)?;
                 end.effort.doubt = Doubt::Straying;
                 Ok(end)
@@ -285,17 +285,17 @@ impl<H: Discretized<E>, E, C: StateSum<f64>> HardStep<'_, H, E, C> {
                         // If the corrections contract without doubt, the curve goes on, hidden by rounding or
                         // by an oscillating force.
                         let contracts = tried.is_some_and(|step| step.effort.doubt != Doubt::Straying);
-                        let cause = match is_steep {
-                            _ if contracts || reached < EARLIEST_END => Cause::Unknown,
-                            true => Cause::Fold,
-                            false => Cause::Jump,
+                        let end = match is_steep {
+                            _ if contracts || reached < EARLIEST_END => EndOfCurve::Unknown,
+                            true => EndOfCurve::Fold,
+                            false => EndOfCurve::Jump,
                         };
-                        return Err(ContinuationLimit { reached, cause });
+                        return Err(ContinuationLimit { reached, end });
                     }
                 }
             }
         }
-        Err(ContinuationLimit { reached, cause: Cause::Unknown })
+        Err(ContinuationLimit { reached, end: EndOfCurve::Unknown })
     }
 }
 
