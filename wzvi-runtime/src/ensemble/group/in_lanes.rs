@@ -55,6 +55,9 @@ struct OwnSystems<H: Discretized<E>, E, const L: usize> {
     lanes: Option<[usize; L]>,
 }
 
+/// A step to check, and its memory.
+type CheckedStart<'j, H, E> = (HardStep<'j, H, E, PlainSum>, MemoryOf<H, E, f64>);
+
 /// Which steps have no guide in the ones before, and their check: a solution that the fast method has found
 /// need not be the one that continues the state ([`HardStep::check`]).
 struct Guides<'j, H: Discretized<E>, E, const L: usize> {
@@ -64,8 +67,8 @@ struct Guides<'j, H: Discretized<E>, E, const L: usize> {
     next: u64,
     /// Where that step began, by lane.
     starts: Vec<State<H::Vector>>,
-    /// What checks it, and its memory.
-    checked: Option<(HardStep<'j, H, E, PlainSum>, MemoryOf<H, E, f64>)>,
+    /// What checks it, with room for the next check.
+    checked: Option<CheckedStart<'j, H, E>>,
 }
 
 impl<H: Discretized<E>, E, const L: usize> Guides<'_, H, E, L> {
