@@ -89,8 +89,8 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         if first.any() { first & self.changes_nothing_at(lists, 1..self.degrees()) } else { first }
     }
 
-    /// Whether each next correction is below the rounding of its unknown plus the state that it changes, if it
-    /// is smaller than this one by the factor `ratio` or by that of its own unknown, whichever is larger.
+    /// Whether each next correction is below the rounding of its unknown plus the state that it changes, if
+    /// it is smaller than this one by the factor `ratio` or by that of its own unknown, whichever is larger.
     /// Sizes of numbers are those by `size`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn resolves<R: Scalar>(
