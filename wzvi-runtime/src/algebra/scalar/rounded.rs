@@ -32,31 +32,37 @@ pub struct Rounded {
 
 impl Rounded {
     /// An exact number.
+    #[inline]
     pub fn exact(value: f64) -> Self {
         Self { value, error: 0.0 }
     }
 
     /// A rounded number: it stands for all numbers that round to it.
+    #[inline]
     pub fn nearest(value: f64) -> Self {
         Self::computed(value, 0.0, EPSILON)
     }
 
     /// Whether the number is at most so many times its error: for 1, whether it may be zero. False for NaN.
+    #[inline]
     pub fn is_below(self, errors: f64) -> bool {
         self.value.abs() <= errors * self.error
     }
 
+    #[inline]
     fn computed(value: f64, inherited: f64, own: f64) -> Self {
         Self { value, error: inherited + own * value.abs() + SMALLEST }
     }
 
     /// `f(self)` from `f(value)` and `|f'(value)|`.
+    #[inline]
     fn function(self, value: f64, slope: f64) -> Self {
         Self::computed(value, spread(self.error, slope), FUNCTION)
     }
 }
 
 /// `error slope`; 0 for an exact number, even where the slope is infinite.
+#[inline]
 fn spread(error: f64, slope: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error * slope.abs() }
 }
@@ -65,6 +71,7 @@ numbers! { impl[] Numbers for Rounded { kept: value, error } }
 
 impl Neg for Rounded {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Self { value: -self.value, ..self }
     }
@@ -72,6 +79,7 @@ impl Neg for Rounded {
 
 impl Add for Rounded {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self::computed(self.value + other.value, self.error + other.error, EPSILON)
     }
@@ -79,6 +87,7 @@ impl Add for Rounded {
 
 impl Sub for Rounded {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self::computed(self.value - other.value, self.error + other.error, EPSILON)
     }
@@ -86,6 +95,7 @@ impl Sub for Rounded {
 
 impl Mul for Rounded {
     type Output = Self;
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let inherited = spread(other.error, self.value)
             + spread(self.error, other.value)
@@ -96,6 +106,7 @@ impl Mul for Rounded {
 
 impl Div for Rounded {
     type Output = Self;
+    #[inline]
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
         // `a/b - (a + δ)/(b + η) = (a/b η - δ) / (b + η)`
@@ -114,6 +125,7 @@ macro_rules! with_a_constant {
     ($($operator:ident $method:ident)*) => {$(
         impl $operator<f64> for Rounded {
             type Output = Self;
+            #[inline]
             fn $method(self, other: f64) -> Self {
                 self.$method(Self::exact(other))
             }
@@ -133,43 +145,56 @@ impl Scalar for Rounded {
 
     functions_by_slope!(function);
 
+    #[inline]
     fn from_f64(value: f64) -> Self {
         Self::exact(value)
     }
+    #[inline]
     fn of_constant(constant: f64) -> Self {
         Self::exact(constant)
     }
+    #[inline]
     fn to_constant(self) -> f64 {
         self.value
     }
+    #[inline]
     fn magnitude(self) -> f64 {
         self.value.abs()
     }
+    #[inline]
     fn is_identical(self, other: Self) -> bool {
         self.value.is_identical(other.value) && self.error.is_identical(other.error)
     }
+    #[inline]
     fn lane(self, _lane: usize) -> f64 {
         self.value
     }
+    #[inline]
     fn is_finite(self) -> bool {
         self.value.is_finite()
     }
+    #[inline]
     fn less(self, other: Self) -> bool {
         self.value < other.value
     }
+    #[inline]
     fn less_equal(self, other: Self) -> bool {
         self.value <= other.value
     }
+    #[inline]
     fn equal(self, other: Self) -> bool {
         self.value == other.value
     }
+    #[inline]
     fn select(mask: bool, then: Self, otherwise: Self) -> Self {
         if mask { then } else { otherwise }
     }
 
+    #[inline]
     fn recip(self) -> Self {
         Self::exact(1.0) / self
     }
+    #[inline]
     fn powi(self, exponent: i32) -> Self {
         let power = |size: f64| size.powi(exponent.saturating_abs());
         let size = self.value.abs();
@@ -179,6 +204,7 @@ impl Scalar for Rounded {
         let positive = Self::computed(self.value.powi(exponent.saturating_abs()), inherited, own);
         if exponent < 0 { positive.recip() } else { positive }
     }
+    #[inline]
     fn powf(self, exponent: Self) -> Self {
         let (x, y) = (self.value, exponent.value);
         let value = x.powf(y);
@@ -187,12 +213,14 @@ impl Scalar for Rounded {
         let by_exponent = spread(exponent.error, if value == 0.0 { 0.0 } else { value * x.ln() });
         Self::computed(value, by_base + by_exponent, FUNCTION)
     }
+    #[inline]
     fn sqrt(self) -> Self {
         let value = self.value.sqrt();
         // `√x - √(x - δ) = δ / (√x + √(x - δ))`
         let inherited = if self.error == 0.0 { 0.0 } else { (self.error / value).min(self.error.sqrt()) };
         Self::computed(value, inherited, EPSILON)
     }
+    #[inline]
     fn cbrt(self) -> Self {
         let value = self.value.cbrt();
         // `∛x - ∛(x - δ)` is largest, `∛4 ∛δ`, on both sides of zero.
@@ -202,15 +230,19 @@ impl Scalar for Rounded {
         };
         Self::computed(value, inherited, FUNCTION)
     }
+    #[inline]
     fn hypot(self, other: Self) -> Self {
         Self::computed(self.value.hypot(other.value), self.error + other.error, FUNCTION)
     }
+    #[inline]
     fn sin(self) -> Self {
         self.sin_cos().0
     }
+    #[inline]
     fn cos(self) -> Self {
         self.sin_cos().1
     }
+    #[inline]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.value.sin_cos();
         // The second term of the expansion counts where the slope vanishes.
@@ -220,39 +252,48 @@ impl Scalar for Rounded {
         pair.1.error += square;
         pair
     }
+    #[inline]
     fn asin(self) -> Self {
         self.function(self.value.asin(), arc_slope(self.value, self.error))
     }
+    #[inline]
     fn acos(self) -> Self {
         self.function(self.value.acos(), arc_slope(self.value, self.error))
     }
+    #[inline]
     fn atan2(self, other: Self) -> Self {
         let (y, x) = (self.value, other.value);
         let radius = y.hypot(x);
         let inherited = spread(self.error, x / radius / radius) + spread(other.error, y / radius / radius);
         Self::computed(y.atan2(x), inherited, FUNCTION)
     }
+    #[inline]
     fn cosh(self) -> Self {
         let mut cosh = self.function(self.value.cosh(), self.value.sinh());
         cosh.error += 0.5 * self.error * self.error;
         cosh
     }
+    #[inline]
     fn asinh(self) -> Self {
         self.function(self.value.asinh(), 1.0_f64.hypot(self.value).recip())
     }
+    #[inline]
     fn acosh(self) -> Self {
         let below = (self.value - 1.0).max(self.error).sqrt();
         self.function(self.value.acosh(), (below * (self.value + 1.0).sqrt()).recip())
     }
+    #[inline]
     fn special(self, function: Special) -> Self {
         let size = self.value.abs();
         let slope = function.steepest(size - self.error, size + self.error);
         let error = spread(self.error, slope) + function.rounding(self.value) + SMALLEST;
         Self { value: function.value(self.value), error }
     }
+    #[inline]
     fn abs(self) -> Self {
         Self { value: self.value.abs(), ..self }
     }
+    #[inline]
     fn signum(self) -> Self {
         Self::exact(self.value.signum())
     }
