@@ -31,8 +31,9 @@ pub(super) struct SharedConstants<const N: usize> {
     /// The linear part of a stiff force. It affects the convergence of sweeps, not their result, and so
     /// carries no derivatives.
     modes: Option<StiffModes<N>>,
-    /// Friction that is part of the step.
     instructions: InstructionSet,
+    /// The instructions for one path, whose lists have a number for each stage.
+    of_stages: InstructionSet,
 }
 
 /// The constants of a system.
@@ -86,7 +87,8 @@ pub(super) fn prepare<F: Field, K: Constant, const N: usize>(
         false => K::from_f64(0.0),
     };
     let friction = FrictionScaling::new(rate, &table, h);
-    let common = SharedConstants { table, modes, instructions: InstructionSet::best() };
+    let instructions = InstructionSet::best();
+    let common = SharedConstants { table, modes, instructions, of_stages: instructions.for_list(N) };
     Ok(GaussConstants { parameters, friction, common })
 }
 
@@ -155,7 +157,7 @@ pub(super) fn advance<
     // Numbers other than `f64` are scalar or are vectors already; careful steps are not compiled for each
     // instruction set.
     if size_of::<S>() == size_of::<f64>() && !S::LANES_ARE_PATHS && !CAREFUL {
-        common.instructions.run(run)
+        common.of_stages.run(run)
     } else {
         run.run::<1, 1>()
     }
