@@ -127,7 +127,7 @@ fn gauss(paths: u64) -> f64 {
     let table = Coefficients::<8>::new();
     let square = |path: u64| {
         let [x, y, u, v] = black_box(start(path));
-        let (q, ..) = gauss_by_hand::run_with::<Unit, 2, 8>(
+        let (q, ..) = gauss_by_hand::run_with::<Unit, 2, 8, { cfg!(target_feature = "fma") }>(
             InstructionSet::Baseline,
             &table,
             [[x, y], [u, v]],

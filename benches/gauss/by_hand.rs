@@ -12,6 +12,7 @@ pub(crate) trait Force<const D: usize> {
 }
 
 pub(crate) struct Pendulum;
+pub(crate) struct HenonHeiles;
 pub(crate) struct Kepler;
 
 impl Force<1> for Pendulum {
@@ -19,6 +20,16 @@ impl Force<1> for Pendulum {
     fn of<const S: usize>(q: &[[f64; S]; 1], force: &mut [[f64; S]; 1]) {
         for (force, q) in force[0].iter_mut().zip(&q[0]) {
             *force = -sine(*q);
+        }
+    }
+}
+
+impl Force<2> for HenonHeiles {
+    #[inline(always)]
+    fn of<const S: usize>(q: &[[f64; S]; 2], force: &mut [[f64; S]; 2]) {
+        for i in 0..S {
+            let (x, y) = (q[0][i], q[1][i]);
+            (force[0][i], force[1][i]) = (-fused(2.0 * x, y, x), fused(y, y, -fused(x, x, y)));
         }
     }
 }
@@ -132,14 +143,15 @@ impl<const S: usize> Coefficients<S> {
     }
 }
 
-/// `Σ_j matrix_j list_j` in two sums.
+/// `Σ_j matrix_j list_j` in two sums, with products and sums fused if `IS_FUSED`.
 #[inline(always)]
-fn product<const S: usize>(matrix: &[[f64; S]; S], list: &[f64; S]) -> [f64; S] {
+fn product<const S: usize, const IS_FUSED: bool>(matrix: &[[f64; S]; S], list: &[f64; S]) -> [f64; S] {
+    let term = |a: f64, b: f64, c: f64| if IS_FUSED { a.mul_add(b, c) } else { a * b + c };
     let (mut even, mut odd) = ([0.0; S], [0.0; S]);
     for (columns, factors) in matrix.chunks_exact(2).zip(list.chunks_exact(2)) {
         for i in 0..S {
-            even[i] = fused(columns[0][i], factors[0], even[i]);
-            odd[i] = fused(columns[1][i], factors[1], odd[i]);
+            even[i] = term(columns[0][i], factors[0], even[i]);
+            odd[i] = term(columns[1][i], factors[1], odd[i]);
         }
     }
     for i in 0..S {
@@ -154,7 +166,7 @@ const UNSEEN: f64 = 1e-6;
 /// What a run ends with: coordinates, momenta, sweeps.
 pub(crate) type End<const D: usize> = ([f64; D], [f64; D], u64);
 
-struct Run<'a, F, const D: usize, const S: usize> {
+struct Run<'a, F, const D: usize, const S: usize, const IS_FUSED: bool> {
     force: std::marker::PhantomData<F>,
     start: [[f64; D]; 2],
     h: f64,
@@ -169,21 +181,24 @@ pub(crate) fn run<F: Force<D>, const D: usize, const S: usize>(
     h: f64,
     steps: u32,
 ) -> End<D> {
-    run_with::<F, D, S>(InstructionSet::best(), table, start, h, steps)
+    run_with::<F, D, S, { cfg!(target_feature = "fma") }>(InstructionSet::best(), table, start, h, steps)
 }
 
-/// The same with other instructions.
-pub(crate) fn run_with<F: Force<D>, const D: usize, const S: usize>(
+/// The same with other instructions, and with fused sums over the stages if `IS_FUSED`.
+pub(crate) fn run_with<F: Force<D>, const D: usize, const S: usize, const IS_FUSED: bool>(
     instructions: InstructionSet,
     table: &Coefficients<S>,
     start: [[f64; D]; 2],
     h: f64,
     steps: u32,
 ) -> End<D> {
-    instructions.run(Run { force: std::marker::PhantomData::<F>, start, h, steps, table })
+    let force = std::marker::PhantomData::<F>;
+    instructions.run(Run::<_, D, S, IS_FUSED> { force, start, h, steps, table })
 }
 
-impl<F: Force<D>, const D: usize, const S: usize> Kernel for Run<'_, F, D, S> {
+impl<F: Force<D>, const D: usize, const S: usize, const IS_FUSED: bool> Kernel
+    for Run<'_, F, D, S, IS_FUSED>
+{
     type Output = End<D>;
 
     #[inline(always)]
@@ -202,7 +217,7 @@ impl<F: Force<D>, const D: usize, const S: usize> Kernel for Run<'_, F, D, S> {
             let (mut unforced, mut stages) = ([[0.0; S]; D], [[0.0; S]; D]);
             let mut inverse = [0.0; D];
             for d in 0..D {
-                let (moved, predicted) = (h * p[d], product(kappa, &slopes[d]));
+                let (moved, predicted) = (h * p[d], product::<S, IS_FUSED>(kappa, &slopes[d]));
                 for i in 0..S {
                     unforced[d][i] = fused(c[i], moved, lost_q[d]);
                     stages[d][i] = q[d] + fused(h, predicted[i], unforced[d][i]);
@@ -218,7 +233,7 @@ impl<F: Force<D>, const D: usize, const S: usize> Kernel for Run<'_, F, D, S> {
                     for i in 0..S {
                         slopes[d][i] = weights[i] * force[d][i];
                     }
-                    let forced = product(eta, &slopes[d]);
+                    let forced = product::<S, IS_FUSED>(eta, &slopes[d]);
                     for i in 0..S {
                         let next = q[d] + fused(h, forced[i], unforced[d][i]);
                         let change = (next - stages[d][i]).abs() * inverse[d];

@@ -1,6 +1,6 @@
 //! `Gauss<S>` against the same steps written by hand for one system ([`by_hand`]), and how rounding grows over a million of them.
 //!
-//! `cargo bench --workspace --bench gauss`; `-- hand` and `-- brouwer` run one of both.
+//! `cargo bench --workspace --bench gauss`; `-- hand`, `-- fused` and `-- brouwer` run one of these.
 
 #![allow(
     clippy::unwrap_used,
@@ -17,6 +17,7 @@ use std::time::Instant;
 
 use by_hand::{Coefficients, Force};
 use scenes::{Scene, distance};
+use wzvi::lanes::instructions::InstructionSet;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
@@ -74,6 +75,48 @@ fn hand() {
     beside::<Gauss<16>, by_hand::Kepler, _, 2, 16>("Kepler, S = 16, orbit", &kepler, 1500, orbit);
 }
 
+/// Nanoseconds per sweep of the loop by hand without fused sums over the stages, and the ratio with them, for each
+/// set of instructions. Fused operations are instructions with AVX-512 and in a build with
+/// `RUSTFLAGS="-C target-feature=+fma"`, and else calls of the C library.
+fn fused_sums<F: Force<D>, H, const D: usize, const S: usize>(name: &str, scene: &Scene<H>, steps: u32)
+where
+    H: Hamiltonian<Vector = SVector<f64, D>>,
+{
+    let coefficients = Coefficients::<S>::new();
+    let h = scene.end / f64::from(steps);
+    let start: [[f64; D]; 2] = [scene.start.q.into(), scene.start.p.into()];
+    print!("{name:20}");
+    for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
+        let mut best = [f64::INFINITY; 2];
+        for _ in 0..60 {
+            for (best, is_fused) in best.iter_mut().zip([false, true]) {
+                let (clock, start) = (Instant::now(), std::hint::black_box(start));
+                let (_, _, sweeps) = match is_fused {
+                    false => by_hand::run_with::<F, D, S, false>(set, &coefficients, start, h, steps),
+                    true => by_hand::run_with::<F, D, S, true>(set, &coefficients, start, h, steps),
+                };
+                *best = best.min(clock.elapsed().as_secs_f64() * 1e9 / sweeps as f64);
+            }
+        }
+        print!("{:>12.1}{:>8.2}", best[0], best[1] / best[0]);
+    }
+    println!();
+}
+
+fn fused() {
+    let by = if cfg!(target_feature = "fma") { "" } else { ", which are calls unless AVX-512 is there" };
+    println!("\nA sweep by hand, ns, and the ratio with fused sums over the stages{by}\n");
+    println!("{:20}{:>20}{:>20}{:>20}", "", "baseline", "AVX2", "AVX-512");
+    let (pendulum, kepler) = (scenes::pendulum(), scenes::kepler());
+    let henon_heiles = scenes::henon_heiles();
+    fused_sums::<by_hand::Pendulum, _, 1, 8>("pendulum, S = 8", &pendulum, 180);
+    fused_sums::<by_hand::Pendulum, _, 1, 16>("pendulum, S = 16", &pendulum, 50);
+    fused_sums::<by_hand::HenonHeiles, _, 2, 8>("Hénon-Heiles, S = 8", &henon_heiles, 400);
+    fused_sums::<by_hand::HenonHeiles, _, 2, 16>("Hénon-Heiles, S = 16", &henon_heiles, 160);
+    fused_sums::<by_hand::Kepler, _, 2, 8>("Kepler, S = 8", &kepler, 5000);
+    fused_sums::<by_hand::Kepler, _, 2, 16>("Kepler, S = 16", &kepler, 1500);
+}
+
 /// Brouwer's law: a million steps of `Gauss<8>`, short enough that rounding is all of the error, from a hundred ellipses that are turned against
 /// each other, in steps that are no part of the period. The error of the energy is that of a random walk if its mean is zero within
 /// three standard errors, and its spread grows like the square root of the number of steps.
@@ -112,6 +155,9 @@ fn main() {
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name);
     if is_wanted("hand") {
         hand();
+    }
+    if is_wanted("fused") {
+        fused();
     }
     if is_wanted("brouwer") {
         brouwer();
