@@ -55,7 +55,7 @@ const _: () = {
         usize, compose::General,
         elements::{
             AdjacentSums, ElementInput, Elements, EvaluationPoint, HessianBlock, InLoops,
-            Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
+            Linearity, Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         embedding::Midpoint, gauss::Dynamic,
@@ -272,7 +272,7 @@ const _: () = {
             order: 2,
             is_consistent: true,
             quadrature: Quadrature {
-                is_linear: true,
+                linearity: Linearity::Constant,
                 ..Quadrature::new(
                     &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
                     MomentumUpdate::Multiple(2.0),

@@ -39,7 +39,7 @@ macro_rules! spellings {
                 Sites17: super::Driven<E>,
             {
                 let (a, s, name) = (0.7, 0.4, stringify!($system));
-                if <Slices as Discretized<E>>::PLAN.solver != Solver::Newton {
+                if <Slices as Discretized<E>>::PLAN.solver == Solver::Explicit {
                     let in_lanes = [
                         <Slices as Discretized<E>>::PROPERTIES.in_lanes,
                         <Generic<17> as Discretized<E>>::PROPERTIES.in_lanes,

@@ -27,7 +27,7 @@ pub(crate) use self::facts::{
 pub(crate) use self::gauss::StepGradient;
 pub(crate) use self::lagrangian::{DiscreteLagrangian, StepSymbols};
 pub(crate) use self::parts::{PartElements, family_of, parts_of, scale_momenta};
-pub(crate) use self::plan::{Plans, SchemePlan, Step, Strategy, Unknowns};
+pub(crate) use self::plan::{Linearity, Plans, SchemePlan, Step, Strategy, Unknowns};
 pub(crate) use self::quadrature::{Part, Quadrature, Stage};
 pub(crate) use self::structure::{Block, Dependencies, Pivot, Solution, Unknown, increment};
 pub(crate) use self::sums::{Calculus, Increments, KnownSum, Space, Sum, Weighted, unweighted, weighted};

@@ -17,8 +17,8 @@ use crate::discretise::{
     has_constant_forces, parts_of, split,
 };
 use crate::embedding::Embedding;
-use crate::model::{Element, Form, System};
-use crate::symbolic::Rational;
+use crate::model::{Element, Form, Half, System};
+use crate::symbolic::{Rational, Symbol};
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Unknowns {
@@ -27,12 +27,19 @@ pub(crate) enum Unknowns {
     Both,
 }
 
+/// How the unknowns enter the equations: `elements::Linearity` of the run time.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Linearity {
+    Nonlinear,
+    Affine,
+    Constant,
+}
+
 /// The solution of steps in loops, for all unknowns at once.
 #[derive(Clone, Copy)]
 pub(crate) struct Strategy {
     pub(crate) unknowns: Unknowns,
-    /// Whether the Jacobian never changes.
-    pub(crate) is_linear: bool,
+    pub(crate) linearity: Linearity,
 }
 
 /// A scheme with one `P`: what its text and its code follow from.
@@ -128,10 +135,63 @@ impl SchemePlan {
 impl Strategy {
     fn of(system: &mut System, facts: &Facts, quadrature: &Quadrature) -> Self {
         let unknowns = unknowns(system, facts, quadrature);
-        let corrects = || quadrature.weights_of(Part::CounterTerm).next().is_some();
-        let is_linear = unknowns != Unknowns::None && !corrects() && facts.has_constant_curvature;
-        Self { unknowns, is_linear }
+        let corrects = quadrature.weights_of(Part::CounterTerm).next().is_some();
+        let linearity = match unknowns {
+            Unknowns::None => Linearity::Nonlinear,
+            _ if !corrects && facts.has_constant_curvature => Linearity::Constant,
+            _ if is_affine(system, facts, quadrature) => Linearity::Affine,
+            _ => Linearity::Nonlinear,
+        };
+        Self { unknowns, linearity }
     }
+}
+
+/// Whether the equations are affine in `u` and `v`: no second derivative in them reads what moves with these.
+///
+/// | equation | second derivatives | of points `l` |
+/// |---|---|---|
+/// | `u`, if `u` is read: some `l` is not 0 | `∂²H/∂p∂p`, `∂²H/∂p∂q` if `l ≠ 0` | all |
+/// | `v` | `∂²H/∂q∂p`, `∂²H/∂q∂q` if `l ≠ 0` | not 1 |
+///
+/// `p` moves unless every `l` is 1, and `q` at points `l ≠ 0`.
+fn is_affine(system: &mut System, facts: &Facts, Quadrature { stages }: &Quadrature) -> bool {
+    let System { graph, drift, noise, force, .. } = system;
+    let reads_u = stages.iter().any(|stage| !stage.l.is_zero());
+    let moves_p = stages.iter().any(|stage| !stage.l.is_one());
+    stages.iter().all(|Stage { l, parts }| {
+        let mut elements: Vec<&Element> = Vec::new();
+        for (part, _) in parts {
+            match part {
+                Part::Drift => elements.extend(&drift.elements),
+                Part::Noise => elements.extend(noise.iter().flat_map(|noise| &noise.term.elements)),
+                Part::Force => elements.extend(force.iter().flat_map(|force| &force.elements)),
+                Part::CounterTerm => {
+                    let products = facts.counter_term.sum.iter().flatten();
+                    elements.extend(products.map(|weighted| &weighted.element));
+                }
+            }
+        }
+        let symbols = |half: Half, element: &Element| -> Vec<Symbol> {
+            element.of_half(half).map(|(symbol, _)| symbol).collect()
+        };
+        elements.into_iter().all(|element| {
+            let [q, p, along] =
+                [Half::Coordinates, Half::Momenta, Half::Displacements].map(|half| symbols(half, element));
+            let mut moving = if moves_p { p.clone() } else { Vec::new() };
+            moving.extend(q.iter().filter(|_| !l.is_zero()));
+            let of_u = p.iter().filter(|_| reads_u && !element.is_covector());
+            let of_v = if element.is_covector() { &along } else { &q };
+            let mut equations = of_u.chain(of_v.iter().filter(|_| !l.is_one()));
+            equations.all(|&x| {
+                let slope = graph.derivative(element.value, x);
+                !graph.has_pieces(slope, &moving)
+                    && moving.iter().all(|&y| {
+                        let second = graph.derivative(slope, y);
+                        !graph.depends_on(second, &moving)
+                    })
+            })
+        })
+    })
 }
 
 fn unknowns(model: &mut System, facts: &Facts, Quadrature { stages }: &Quadrature) -> Unknowns {

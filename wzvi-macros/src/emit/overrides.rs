@@ -38,7 +38,7 @@ overrides! {
     /// Friction of a bath.
     FrictionOverrides of Friction: is_matrix is_per_state has_diagonal_masses has_temperatures is_timed;
     /// The quadrature of steps in loops.
-    QuadratureOverrides of Quadrature: unknowns remembers is_linear;
+    QuadratureOverrides of Quadrature: unknowns remembers linearity;
 }
 
 /// `true` where it holds.

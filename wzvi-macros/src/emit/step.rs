@@ -9,7 +9,7 @@ use super::plan::plan;
 use super::system::{count, state_names};
 use super::terms;
 use super::{discretized, implementation};
-use crate::discretise::{Facts, NoiseClass, Scheme, SchemePlan, Strategy, Unknowns};
+use crate::discretise::{Facts, Linearity, NoiseClass, Scheme, SchemePlan, Strategy, Unknowns};
 use crate::symbolic::Graph;
 
 mod block_inputs;
@@ -55,7 +55,7 @@ pub(crate) fn emit(
         false => quote!(__wzvi::PlainSum),
     };
     // For a step in loops, at most the momentum between two ends.
-    let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
+    let strategy = Strategy { unknowns: Unknowns::Momenta, linearity: Linearity::Nonlinear };
     let quadrature = terms::quadrature(&plan.quadrature, strategy, false);
     let constant = self::plan(plan, scheme);
     let embedding = plan.embedding.path(&quote!(__wzvi));

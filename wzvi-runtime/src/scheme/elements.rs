@@ -64,7 +64,7 @@ pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, s
 pub use memory::LoopMemory;
 pub use pairs::{Pair, PairColumns, Row};
 pub(crate) use passes::are_finite;
-pub use quadrature::{MomentumUpdate, Quadrature, QuadraturePoint, Unknowns};
+pub use quadrature::{Linearity, MomentumUpdate, Quadrature, QuadraturePoint, Unknowns};
 pub(crate) use step::nothing;
 pub use sums::{AdjacentSums, ElementInput, Sums, disjoint_placements, stretch};
 pub(crate) use tiles::BLOCK;

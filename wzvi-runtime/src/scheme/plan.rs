@@ -12,7 +12,8 @@ use super::system::Kind;
 pub enum Solver {
     /// Every unknown is assigned in order.
     Explicit,
-    /// The hardest block is affine in its unknowns: one linear solve.
+    /// The hardest block is affine in its unknowns: one linear solve. Steps in loops sweep while that
+    /// contracts, and solve then, where the matrix differs from step to step.
     Linear,
     /// The hardest block needs Newton's method, with the exact Jacobian.
     Newton,

@@ -1,7 +1,7 @@
 //! The equations of all sites at once: slopes of Hamiltonians and forces, each a sum over placements.
 
 use crate::discretise::{
-    Facts, Part, PartElements, Plans, SchemePlan, Stage, Strategy, Sum, Unknowns, Weighted,
+    Facts, Linearity, Part, PartElements, Plans, SchemePlan, Stage, Strategy, Sum, Unknowns, Weighted,
 };
 use crate::model::{Half, System};
 use crate::symbolic::{Expr, Graph, Rational, Symbol, signed};
@@ -57,7 +57,7 @@ pub(crate) fn derivation(
     facts: &Facts,
     plans: &Plans,
     SchemePlan { quadrature, .. }: &SchemePlan,
-    Strategy { unknowns, is_linear }: Strategy,
+    Strategy { unknowns, linearity }: Strategy,
 ) -> String {
     let mut text = String::new();
     let mut parts = Vec::new();
@@ -77,8 +77,11 @@ pub(crate) fn derivation(
     }
     let iterated = "by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES \
                      where the band is wide";
-    let iteration =
-        if is_linear { "linear; a band is factored once, a wide matrix is iterated" } else { iterated };
+    let iteration = match linearity {
+        Linearity::Constant => "linear; a band is factored once, a wide matrix is iterated",
+        Linearity::Affine => &format!("linear; {iterated}"),
+        Linearity::Nonlinear => iterated,
+    };
     let [q, _] = &system.names;
     let step = match unknowns {
         Unknowns::None => format!("assign v, Δ{q}"),

@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::discretise::{Quadrature, SchemePlan, Stage, Strategy, Unknowns};
+use crate::discretise::{Linearity, Quadrature, SchemePlan, Stage, Strategy, Unknowns};
 use crate::emit::overrides::{self, holds};
 use crate::emit::{count, discretized};
 use crate::model::System;
@@ -29,7 +29,7 @@ pub(crate) fn emit(model: &System, plan: &SchemePlan, strategy: Strategy, text: 
 /// The parameters of the scheme for the run time, and whether past steps predict the
 /// iteration's start.
 pub(crate) fn quadrature(quadrature: &Quadrature, strategy: Strategy, remembers: bool) -> TokenStream {
-    let Strategy { unknowns, is_linear } = strategy;
+    let Strategy { unknowns, linearity } = strategy;
     let stages = quadrature.stages.iter().map(stage);
     let update = match quadrature.momentum_update() {
         Some(factor) => {
@@ -45,8 +45,12 @@ pub(crate) fn quadrature(quadrature: &Quadrature, strategy: Strategy, remembers:
         Unknowns::Momenta => None,
         Unknowns::Both => Some(quote!(__wzvi::elements::Unknowns::Both)),
     };
-    let known =
-        overrides::QuadratureOverrides { unknowns, remembers: holds(remembers), is_linear: holds(is_linear) };
+    let linearity = match linearity {
+        Linearity::Nonlinear => None,
+        Linearity::Affine => Some(quote!(__wzvi::elements::Linearity::Affine)),
+        Linearity::Constant => Some(quote!(__wzvi::elements::Linearity::Constant)),
+    };
+    let known = overrides::QuadratureOverrides { unknowns, remembers: holds(remembers), linearity };
     known.over(&quadrature, straight)
 }
 

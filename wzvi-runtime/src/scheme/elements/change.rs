@@ -216,7 +216,8 @@ mod tests {
 
     use super::super::memory::LoopMemory;
     use super::super::{
-        ElementInput, EvaluationPoint, FullRange, HessianBlock, MomentumUpdate, Partials, Quadrature, Sums,
+        ElementInput, EvaluationPoint, FullRange, HessianBlock, Linearity, MomentumUpdate, Partials,
+        Quadrature, Sums,
     };
     use super::*;
     use crate::algebra::scalar::Number;
@@ -282,7 +283,7 @@ mod tests {
         update: MomentumUpdate::Multiple(2.0),
         unknowns: Unknowns::Momenta,
         remembers: true,
-        is_linear: false,
+        linearity: Linearity::Nonlinear,
     };
 
     fn random(seed: &mut u64) -> f64 {

@@ -182,7 +182,8 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
     /// steps are not close, and a pinned Newton's method factors in each iteration; a preconditioner need not
     /// be close.
     fn leaves_factors(&self, linear: &LinearSolver<S>, pinned: Iteration) -> bool {
-        let is_chord = pinned != Iteration::Newton && (self.scheme.remembers || self.scheme.is_linear);
+        let is_chord =
+            pinned != Iteration::Newton && (self.scheme.remembers || self.scheme.linearity.is_constant());
         is_chord || matches!(linear, LinearSolver::Krylov(_))
     }
 
@@ -198,7 +199,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         if !self.leaves_factors(linear, pinned) {
             return false;
         }
-        if self.scheme.is_linear || kept.made == FactorSource::Now {
+        if self.scheme.linearity.is_constant() || kept.made == FactorSource::Now {
             return kept.made == FactorSource::Now || kept.made == FactorSource::Always(self.h.lane(0));
         }
         let [q, _, dw, x] = &kept.anchor.lists;
@@ -254,11 +255,11 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         kept.work.factorisations += 1;
         let all = kept.wants_all();
         self.factor(lists, diagonal, linear, all)?;
-        if !self.scheme.is_linear && linear.is_reversed() {
+        if !self.scheme.linearity.is_affine() && linear.is_reversed() {
             // A negative determinant indicates a fold: the careful solver is needed.
             return Err(astray(0, f64::INFINITY));
         }
-        if self.scheme.is_linear {
+        if self.scheme.linearity.is_constant() {
             kept.made = FactorSource::Always(self.h.lane(0));
         } else if self.leaves_factors(linear, pinned) {
             kept.next.copy(all, [self.t, self.h], [self.q, self.p, self.dw, &*lists.x]);

@@ -176,7 +176,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
             // Paths run one by one if steps begin with another method. A path that turns out to need one ends
             // with an error.
             debug_assert!(
-                !self.scheme.is_linear,
+                !self.scheme.linearity.is_constant(),
                 "`Properties::in_lanes` is false where a step is one correction"
             );
             let known = scratch.known;
@@ -222,14 +222,15 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         self.attempt(&mut scratch)
     }
 
-    /// Whether the equations are linear and uncoupled, so that one correction solves them to rounding.
+    /// Whether the equations are uncoupled and their Jacobian constant, so that one correction solves them to
+    /// rounding.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn takes_one_correction(self, scratch: &LoopScratch<'_, S>) -> bool {
-        let is_linear = self.scheme.is_linear && scratch.solver.iteration == Iteration::Automatic;
-        is_linear && scratch.inverses().is_some()
+        let is_constant = self.scheme.linearity.is_constant();
+        is_constant && scratch.solver.iteration == Iteration::Automatic && scratch.inverses().is_some()
     }
 
-    /// Solves linear uncoupled equations by one correction from zero.
+    /// Solves uncoupled equations with a constant Jacobian by one correction from zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn correct_once(self, scratch: &mut LoopScratch<'_, S>) -> Result<IterationOutcome, StepFailure> {
         if !self.starts_with_factors(scratch.lend(), Iteration::Automatic) {
@@ -312,8 +313,8 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn starts_with_newton(self, scratch: &LoopScratch<'_, S>, pinned: Iteration) -> bool {
-        let has_constant_band =
-            self.scheme.is_linear && matches!(scratch.solver.linear, Some(LinearSolver::Band(_)));
+        let has_constant_band = self.scheme.linearity.is_constant()
+            && matches!(scratch.solver.linear, Some(LinearSolver::Band(_)));
         match pinned {
             Iteration::Newton => true,
             Iteration::Automatic => scratch.solver.preference.is_newton() || has_constant_band,

@@ -20,11 +20,11 @@ use crate::scheme::plan::Facts;
 const MOST: usize = 64;
 
 /// Whether paths of an implicit scheme are solved side by side: not where the derivatives of each are in
-/// vector instructions by themselves. Linear equations are solved with kept factors.
+/// vector instructions by themselves. Equations with a constant Jacobian are solved with kept factors.
 pub(super) const fn allow_lanes(facts: &Facts, quadrature: &Quadrature) -> bool {
     let takes_vectors = facts.has_pairs || facts.gathers.by_q || facts.gathers.by_p;
     let is_small = facts.degrees <= MOST && !(takes_vectors && facts.degrees >= LEAST_IN_COLUMNS);
-    is_small && !quadrature.is_linear
+    is_small && !quadrature.linearity.is_constant()
 }
 
 /// Whether numbers are several independent paths.

@@ -17,6 +17,27 @@ pub enum Unknowns {
     Both,
 }
 
+/// How the unknowns enter the equations of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Linearity {
+    /// Not linearly: the Jacobian reads them.
+    Nonlinear,
+    /// Linearly, with a Jacobian of the state at the start, the time and the increments.
+    Affine,
+    /// Linearly, with a Jacobian of the step size and parameters only: factors serve all steps.
+    Constant,
+}
+
+impl Linearity {
+    pub(super) const fn is_constant(self) -> bool {
+        matches!(self, Self::Constant)
+    }
+
+    pub(super) const fn is_affine(self) -> bool {
+        !matches!(self, Self::Nonlinear)
+    }
+}
+
 impl Unknowns {
     /// Number of unknowns.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -80,21 +101,22 @@ pub struct Quadrature {
     pub unknowns: Unknowns,
     /// Whether the iteration starts from past steps; not in systems with noise.
     pub remembers: bool,
-    /// Whether the Jacobian depends on the step size and parameters only.
-    pub is_linear: bool,
+    /// How the unknowns enter the equations.
+    pub linearity: Linearity,
 }
 
 impl Quadrature {
-    /// Whether implicit steps in numbers with derivatives are solved for the values first. Linear equations
-    /// are solved by one correction in any numbers.
+    /// Whether implicit steps in numbers with derivatives are solved for the values first. Equations with a
+    /// constant Jacobian are solved with kept factors in any numbers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) const fn takes_values_first<S: Scalar>(&self) -> bool {
-        S::IS_PLAIN_DUAL && !self.is_linear && !matches!(self.unknowns, Unknowns::None)
+        S::IS_PLAIN_DUAL && !self.linearity.is_constant() && !matches!(self.unknowns, Unknowns::None)
     }
 
     /// For steps in straight-line code: only the momentum between two states, if anything, is solved with it.
     pub const fn new(stages: &'static [QuadraturePoint], update: MomentumUpdate) -> Self {
-        Self { stages, update, unknowns: Unknowns::Momenta, remembers: false, is_linear: false }
+        let (unknowns, linearity) = (Unknowns::Momenta, Linearity::Nonlinear);
+        Self { stages, update, unknowns, remembers: false, linearity }
     }
 
     /// The ratio of the change of the momenta to `v`, if it is constant; infinite if `D_1 L_d` has no
@@ -161,8 +183,18 @@ impl Quadrature {
             Some(degrees) => degrees,
             None => facts.degrees,
         };
-        let unknowns = self.unknowns.count(coupled);
-        let solver = match (self.unknowns, self.is_linear) {
+        let unknowns = match (self.unknowns, self.factor()) {
+            // `v` is zero.
+            (Unknowns::Both, Some(f64::INFINITY)) => coupled,
+            (unknowns, _) => unknowns.count(coupled),
+        };
+        // One elimination solves uncoupled blocks; others are iterated unless their factors are kept.
+        let is_solved_at_once = match self.linearity {
+            Linearity::Constant => true,
+            Linearity::Affine => facts.coupled_degrees.is_some(),
+            Linearity::Nonlinear => false,
+        };
+        let solver = match (self.unknowns, is_solved_at_once) {
             (Unknowns::None, _) => Solver::Explicit,
             (_, true) => Solver::Linear,
             (_, false) => Solver::Newton,
