@@ -3,9 +3,9 @@
 //!
 //! Every refusal of the compiler is in `diagnostics`, nearly all as rows of tables: `messages` about
 //! declarations, which `input`, `lower` and `functions` report; `expressions` about Rust that `lower` and
-//! `collect` cannot make terms of; `ito` about the conversion; and `facts` about the mathematics. The last are
-//! reported here, but for those of friction and temperature, which `passes/friction.rs` checks before friction
-//! becomes a force. Syntax that is no Rust is refused by syn.
+//! `collect` cannot make terms of; `ito` about the conversion; and `facts` about the mathematics. The last
+//! are reported here, but for those of friction and temperature, which `passes/friction.rs` checks before
+//! friction becomes a force. Syntax that is no Rust is refused by syn.
 
 use crate::diagnostics::{Diagnostics, Located, facts as messages};
 use crate::discretise::{Facts, Failure, Invariant, KnownSum};

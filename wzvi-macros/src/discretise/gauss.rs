@@ -1,5 +1,5 @@
-//! The gradient of the step Hamiltonian `F`, which is all that steps with several stages need of their discrete
-//! Lagrangian:
+//! The gradient of the step Hamiltonian `F`, which is all that steps with several stages need of their
+//! discrete Lagrangian:
 //!
 //! ```text
 //! L_d = ext Σ_j b_j [P_j · V_j - F(P_j, Q_j, T_j)],   F = h H_0 + Σ_k ΔW_k H_k,   Q_j = q_i + Σ_k a_jk V_k

@@ -228,11 +228,11 @@ pub(crate) use of_parts;
 /// A field in none of the lists does not compile. Lanes take what checkpoints have, one path at a time.
 ///
 /// Three memories answer requests themselves, and their requests and copies are written by hand:
-/// `Extrapolation`, the loops' `LoopMemory` and Gauss's `GaussMemory`. Forgetting is a count there, and a copy
-/// leaves out lists of which nothing is known, so no list of fields says what they do. What checkpoints have
-/// of them is declared by `numbers!` for loops. That of the other two is not a list of fields: the masks of
-/// `Extrapolation` are written as a count for each lane, and Gauss's derivatives at the stages are there only
-/// once a step is known, in lists whose size a checkpoint sets.
+/// `Extrapolation`, the loops' `LoopMemory` and Gauss's `GaussMemory`. Forgetting is a count there, and a
+/// copy leaves out lists of which nothing is known, so no list of fields says what they do. What checkpoints
+/// have of them is declared by `numbers!` for loops. The other two have no list of fields there: the masks
+/// of `Extrapolation` are written as a count for each lane, and Gauss's derivatives at the stages are there
+/// only once a step is known, in lists whose size a checkpoint sets.
 macro_rules! step_memory {
     (
         impl[$($generics:tt)*] StepMemory for $type:ty {

@@ -1,8 +1,8 @@
 //! Steps that fail are halved.
 //!
 //! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path
-//! has there, so that the retry converges to the same solution. Only the step that failed is subdivided, unless
-//! the energy has changed (below).
+//! has there, so that the retry converges to the same solution. Only the step that failed is subdivided,
+//! unless the energy has changed (below).
 //!
 //! Without noise, `2^m` parts are accepted when they agree with `2^(m-1)` parts. A solution alone is not
 //! enough, since a step that skips a pericentre often has one. The difference of the two is weighted by the

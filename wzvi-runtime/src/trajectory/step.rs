@@ -30,9 +30,9 @@ pub struct StepInfo {
     /// How often the step was halved: it is `2^halvings` steps of size `h / 2^halvings`. 0 unless a
     /// [`Retry`](crate::trajectory::retry::Retry) allows more.
     pub halvings: u32,
-    /// Whether the fast iteration failed or led to another solution, so that the step was solved from zero with
-    /// a line search. Many such steps in a row mean that the step is long for the fastest motion. If the step was
-    /// halved: whether one of its parts was hard.
+    /// Whether the fast iteration failed or led to another solution, so that the step was solved from zero
+    /// with a line search. Many such steps in a row mean that the step is long for the fastest motion. If the
+    /// step was halved: whether one of its parts was hard.
     pub is_hard: bool,
     /// Whether the solution could not be followed from the state along the step. Only the orientation of its
     /// Jacobian then says that it is the connected one. The step is far too long for a stiff force, or a push

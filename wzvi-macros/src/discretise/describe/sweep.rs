@@ -30,22 +30,24 @@ impl Named {
 
     /// The name of its contribution to the discrete Lagrangian, or to a derivative of that; `None` if that is
     /// zero.
-    fn contribution(&self, derivative: Derivative) -> Option<String> {
+    fn contribution(&self, derivative: LagrangianDerivative) -> Option<String> {
         let Self { name, is_force, .. } = self;
         let reads =
             |half: Half| self.sum.iter().any(|weighted| weighted.element.of_half(half).next().is_some());
         match derivative {
-            Derivative::Value => (!is_force).then(|| (*name).to_owned()),
-            Derivative::ByMomenta => (!is_force && reads(Half::Momenta)).then(|| format!("∂{name}/∂p")),
-            Derivative::ByCoordinates if *is_force => Some((*name).to_owned()),
-            Derivative::ByCoordinates => reads(Half::Coordinates).then(|| format!("∂{name}/∂q")),
+            LagrangianDerivative::Value => (!is_force).then(|| (*name).to_owned()),
+            LagrangianDerivative::ByMomenta => {
+                (!is_force && reads(Half::Momenta)).then(|| format!("∂{name}/∂p"))
+            }
+            LagrangianDerivative::ByCoordinates if *is_force => Some((*name).to_owned()),
+            LagrangianDerivative::ByCoordinates => reads(Half::Coordinates).then(|| format!("∂{name}/∂q")),
         }
     }
 }
 
 /// The discrete Lagrangian, or its derivative by one half of the unknowns.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Derivative {
+enum LagrangianDerivative {
     Value,
     ByMomenta,
     ByCoordinates,
@@ -93,12 +95,13 @@ pub(crate) fn derivation(
 }
 
 /// The discrete Lagrangian and its derivatives, by the slopes of the parts. With friction that is part of the
-/// step, a part `F` acts as `e^{γlh} F(P/e^{γlh}, q_l)` at the quadrature point `l`, and `p' = e^{-γh} D2 L_d`.
+/// step, a part `F` acts as `e^{γlh} F(P/e^{γlh}, q_l)` at the quadrature point `l`, and
+/// `p' = e^{-γh} D2 L_d`.
 fn equations(system: &mut System, stages: &[Stage], parts: &[Named], text: &mut String) {
     let ([q, p], graph) = (system.names.clone(), &mut system.graph);
     let has_friction = system.conformal.is_some();
     // The parts at each quadrature point, subtracted if they are no forces.
-    let mut weigh = |first: &str, weight: fn(&Stage) -> Rational, derivative: Derivative| {
+    let mut weigh = |first: &str, weight: fn(&Stage) -> Rational, derivative: LagrangianDerivative| {
         let mut terms: Vec<(bool, String)> =
             Vec::from_iter((!first.is_empty()).then(|| (false, first.into())));
         for (stage, (part, share)) in stages.iter().flat_map(|s| s.parts.iter().map(move |part| (s, part))) {
@@ -109,7 +112,7 @@ fn equations(system: &mut System, stages: &[Stage], parts: &[Named], text: &mut 
                 let growth = exponential(stage.l);
                 momentum = format!("P/{growth}");
                 // The derivative by `P` divides by the factor.
-                if derivative != Derivative::ByMomenta {
+                if derivative != LagrangianDerivative::ByMomenta {
                     scale = growth + " ";
                 }
             }
@@ -125,13 +128,13 @@ fn equations(system: &mut System, stages: &[Stage], parts: &[Named], text: &mut 
         if terms.is_empty() { "0".to_owned() } else { signed(terms) }
     };
     say!(text, "\nDiscrete Lagrangian of the step from t to t + h, from {q}, {p} to {q}', {p}'");
-    say!(text, "  L_d = {}", weigh(&format!("P · Δ{q}"), |_| Rational::ONE, Derivative::Value));
-    let mut end = weigh("P", Stage::end, Derivative::ByCoordinates);
+    say!(text, "  L_d = {}", weigh(&format!("P · Δ{q}"), |_| Rational::ONE, LagrangianDerivative::Value));
+    let mut end = weigh("P", Stage::end, LagrangianDerivative::ByCoordinates);
     if has_friction {
         end = format!("exp(-γ h) ({end})");
     }
-    let v = weigh("", Stage::start, Derivative::ByCoordinates);
-    let velocity = weigh("", |_| Rational::MINUS_ONE, Derivative::ByMomenta);
+    let v = weigh("", Stage::start, LagrangianDerivative::ByCoordinates);
+    let velocity = weigh("", |_| Rational::MINUS_ONE, LagrangianDerivative::ByMomenta);
     for Named { name, definition, .. } in parts.iter().filter(|named| !named.definition.is_empty()) {
         say!(text, "  {name} = {definition}");
     }
@@ -206,8 +209,8 @@ mod tests {
 
     use crate::compile::expand;
 
-    /// The same discrete Lagrangian as in straight lines: `h e^{γlh} H(P/e^{γlh}, q_l)`, and a new momentum that
-    /// is damped over the whole step.
+    /// The same discrete Lagrangian as in straight lines: `h e^{γlh} H(P/e^{γlh}, q_l)`, and a new momentum
+    /// that is damped over the whole step.
     #[test]
     fn friction_of_steps_is_in_every_equation_of_loops() {
         let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() \

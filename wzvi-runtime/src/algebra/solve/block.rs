@@ -3,7 +3,7 @@
 
 use std::marker::PhantomData;
 
-use super::dense::{Solver, set_derivatives};
+use super::dense::{FactoredMatrix, set_derivatives};
 use super::effort::Effort;
 use super::newton::{Equations, newton, solve_pair};
 use crate::algebra::scalar::{ComputesWith, Constant, Mask, Rounded, Scalar};
@@ -81,7 +81,7 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
                 matrix[i][j] = jacobian[i_given][j_given].value();
             }
         }
-        let solver = if is_small(&matrix) { None } else { Some(Solver::new(matrix)?) };
+        let solver = if is_small(&matrix) { None } else { Some(FactoredMatrix::new(matrix)?) };
         for number in 0..S::DERIVATIVES {
             let mut side = [S::Value::from_f64(0.0); N];
             for i in 0..N {

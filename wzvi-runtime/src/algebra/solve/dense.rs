@@ -58,7 +58,7 @@ pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Resu
     if const { S::DERIVATIVES > 0 } {
         return linear_with_derivatives(matrix, b);
     }
-    Ok(Solver::new(matrix)?.solve(b))
+    Ok(FactoredMatrix::new(matrix)?.solve(b))
 }
 
 /// `x' = A⁻¹ (b' - A' x)`
@@ -67,7 +67,7 @@ fn linear_with_derivatives<S: Scalar, const N: usize>(
     matrix: [[S; N]; N],
     b: [S; N],
 ) -> Result<[S; N], StepFailure> {
-    let solver = Solver::new(matrix.map(|row| row.map(S::value)))?;
+    let solver = FactoredMatrix::new(matrix.map(|row| row.map(S::value)))?;
     let solution = solver.solve(b.map(S::value));
     let mut x = solution.map(S::of_value);
     for number in 0..S::DERIVATIVES {
@@ -95,14 +95,14 @@ pub(super) fn set_derivatives<S: Scalar, const N: usize>(
 }
 
 /// `A⁻¹` for several right-hand sides.
-pub(super) enum Solver<S, const N: usize> {
+pub(super) enum FactoredMatrix<S, const N: usize> {
     /// The matrix is factored once.
     Factored(Factor<S, N>),
     /// Lanes have pivots of their own, which are found again for each side.
     ByLane([[S; N]; N]),
 }
 
-impl<S: Scalar, const N: usize> Solver<S, N> {
+impl<S: Scalar, const N: usize> FactoredMatrix<S, N> {
     /// # Errors
     /// The errors of [`Factor::new`]. In lanes, solutions of paths without one are NaN instead.
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -20,10 +20,10 @@
 //!
 //! One text serves a single number and the lanes of several trajectories: truths are masks. Each lane
 //! performs the operations that it would perform alone: it has its own verdict after each iteration, and
-//! keeps its bits once it has converged. Where a single number has an error, a lane has NaN, which marks it at the end
-//! of the step; the caller then takes its step alone. Compared with a text for each, steps of `Midpoint` and
-//! `Lambda<1, 4>` of one to three degrees of freedom take 1.002 to 1.008 of the instructions for a single
-//! number, and 0.92 to 1.008 in lanes.
+//! keeps its bits once it has converged. Where a single number has an error, a lane has NaN, which marks it
+//! at the end of the step; the caller then takes its step alone. Compared with a text for each, steps of
+//! `Midpoint` and `Lambda<1, 4>` of one to three degrees of freedom take 1.002 to 1.008 of the instructions
+//! for a single number, and 0.92 to 1.008 in lanes.
 //!
 //! The Jacobian of an empty step is the identity, whatever the units are, and it is singular where two
 //! branches of solutions meet. On the branch that continues the state its determinant is positive, and it is
@@ -117,7 +117,7 @@ pub(crate) fn newton<
 }
 
 /// The iteration of one lane where it is judged by itself.
-struct Search {
+struct LaneSearch {
     convergence: Convergence<f64>,
     is_done: bool,
     /// Whether it went astray.
@@ -140,7 +140,7 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
         if convergence.iterations == 0 && x.iter().all(|x| x.lane(lane) == 0.0) {
             convergence.claim_nothing();
         }
-        Search { convergence, is_done: ended.lane(lane), is_lost: false }
+        LaneSearch { convergence, is_done: ended.lane(lane), is_lost: false }
     });
     let lanes = lanes.as_mut();
     loop {

@@ -285,7 +285,8 @@ impl<S: Scalar, H: Shape> SplittingMemory<S, H> {
 /// Not a closure: one that is called in several places is compiled without the vector instructions of its
 /// callers.
 pub(crate) trait StepParts<S: Scalar, H: Shape, A> {
-    /// Moves the state in the lists by a part of a step, with the noise increments of that part in the memory.
+    /// Moves the state in the lists by a part of a step, with the noise increments of that part in the
+    /// memory.
     ///
     /// # Errors
     /// [`StepFailure::Bath`] where friction is negative.
