@@ -188,8 +188,8 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn store(_list: &mut [Self], _part: usize, _room: &[Self], _stay: bool) {}
     /// A loop over the stages with all columns in it: as many small loops each would be unrolled before they
-    /// become vector code. Five to eight stages are unrolled in any case, and then the compiler takes the terms
-    /// of one stage for a vector, which it gathers; so their four sums come first, each for all stages.
+    /// become vector code. Five to eight stages are unrolled in any case, and then the compiler takes the
+    /// terms of one stage for a vector, which it gathers; so their four sums come first, each for all stages.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn product(&self, matrix: &[[f64; N]; N], _part: usize) -> Self {
         let numbers = self.to_array();
@@ -298,12 +298,12 @@ impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
 mod tests {
     use super::*;
 
-    /// The stages of one path are summed in the order in which those of paths beside each other are, to the last
-    /// bit, for each number of stages: the sums of five to eight stages are written in another way.
+    /// The stages of one path are summed in the order in which those of paths beside each other are, to the
+    /// last bit, for each number of stages: the sums of five to eight stages are written in another way.
     #[test]
     fn products_of_stages_are_those_of_paths() {
         fn check<const N: usize>() {
-            // Of all sizes, so that another order of a sum rounds differently.
+            // Numbers of all sizes, so that another order of a sum rounds differently.
             let number = |k: usize| (0.7 * k as f64).sin() * 10_f64.powi((k * k % 7) as i32 - 3);
             let numbers: [f64; N] = std::array::from_fn(|j| number(j + 1));
             let matrix: [[f64; N]; N] =

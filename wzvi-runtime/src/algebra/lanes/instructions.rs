@@ -47,8 +47,8 @@ impl InstructionSet {
         narrow.map_or(self, |(set, _)| set)
     }
 
-    /// This set, or AVX2 where so many numbers fill no more than one of its registers. Given wider registers, the
-    /// compiler fills them with numbers of several lists, and moves these more than it computes.
+    /// This set, or AVX2 where so many numbers fill no more than one of its registers. Given wider registers,
+    /// the compiler fills them with numbers of several lists, and moves these more than it computes.
     pub(crate) fn for_list(self, numbers: usize) -> Self {
         if self == Self::Avx512 && numbers <= 4 && Self::Avx2.is_available() { Self::Avx2 } else { self }
     }

@@ -329,8 +329,7 @@ numbers! {
     }
 }
 
-/// By hand, as requests and copies are none of the parts: see
-/// [`step_memory!`](crate::algebra::memory::step_memory).
+/// By hand, as requests and copies are none of the parts: see `step_memory!`.
 impl<S: Scalar> StepMemory for LoopMemory<S> {
     fn tell(&mut self, request: &MemoryRequest) {
         if let Some(values) = &mut self.values {
