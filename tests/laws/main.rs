@@ -2,7 +2,7 @@
 //!
 //! `cargo test --workspace --release --test laws` runs them; other builds say that they are skipped, and Clippy reads them.
 //!
-//! The feature `short` leaves out what takes longest, for `.ci/run`: statistics of series, rare events, several levels, and long runs.
+//! The feature `short` leaves out what takes longest, for `.ci/run`: statistics of series, heat fluxes, rare events, several levels, and long runs.
 //!
 //! Ensembles ask for eight lanes: code for the lanes of every machine takes a seventh longer to compile, and has the same results.
 
@@ -19,7 +19,7 @@ mod brouwer;
 mod chaos_errors;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod convergence;
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod heat_flux;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod long_runs;
