@@ -25,6 +25,9 @@ const SHARED: [(&str, &str, &str); 3] = [
 /// The first sentences of comments that leave their noun to the reader.
 const WITHOUT_NOUN: [&str; 3] = ["That of ", "Those of ", "Of "];
 
+/// The first words of comments whose noun is hidden in a clause.
+const CLAUSES: [&str; 3] = ["What ", "Which ", "Whose "];
+
 /// What follows `The same` where the noun is missing.
 const AFTER_THE_SAME: [&str; 14] =
     ["as", "at", "by", "for", "from", "if", "in", "of", "on", "to", "where", "with", "without", "beside"];
@@ -130,6 +133,9 @@ fn comments_have_their_nouns() {
     let mut refused = Vec::new();
     for file in sources() {
         for (number, paragraph) in paragraphs(&file) {
+            if CLAUSES.iter().any(|start| paragraph.starts_with(start)) {
+                refused.push(format!("{}: {paragraph}", place(&file, number)));
+            }
             let sentences = paragraph.split_inclusive(['.', ':', '?']).map(str::trim_start);
             refused.extend(
                 sentences

@@ -71,7 +71,7 @@ pub(crate) fn dot<V: Vector>(x: &V, y: &V) -> f64 {
             `<[f64; 4]>::try_from(list)` makes one of a `Vec`, and is an error where the length differs"
 )]
 pub trait Components<V> {
-    /// These numbers as a vector.
+    /// The numbers as a vector.
     fn into_vector(self) -> V;
 }
 

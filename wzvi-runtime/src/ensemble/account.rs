@@ -95,7 +95,7 @@ impl ChunkLedger {
         if is_done || self.error.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// What is known at the end.
+    /// The statistics at the end.
     pub(super) fn close(mut self) -> Result<Statistics, Error> {
         if let Some(error) = self.error {
             return Err(error);

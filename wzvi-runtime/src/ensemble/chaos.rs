@@ -38,7 +38,7 @@ pub struct MapDeviations<'a, H: Hamiltonian, E, N> {
 /// [`Indicators`](crate::trajectory::chaos::Indicators). Paths that failed have NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChaosMap<V> {
-    /// Where the paths start.
+    /// The starts of the paths.
     pub starts: Vec<State<V>>,
     /// `Y_n`
     pub megno: Vec<f64>,
@@ -193,8 +193,8 @@ where
 
 const STARTS: &str = "a start: add `.start(...)`, `.starts_from(...)` or `.starts(...)`";
 
-/// What a map of indicators takes from an ensemble. Whether each path has a system of its own is part of
-/// its type.
+/// The settings of an ensemble that a map of indicators takes. Whether each path has a system of its own is
+/// part of its type.
 const USED: &[MadeSetting] = &[
     MadeSetting::AllowLosses,
     MadeSetting::Antithetic,

@@ -19,7 +19,8 @@ pub(super) const PATHS: u64 = 64;
 /// Paths in a chunk of large systems, which go one after the other.
 pub(super) const PATHS_OF_LARGE_SYSTEMS: u64 = 4;
 
-/// Whether a path has more than one degree of freedom, and so more beside it that is to stay in registers.
+/// Whether a path has more than one degree of freedom: then half as many paths go side by side, so that their
+/// states stay in registers.
 const fn is_wide<V>() -> bool {
     size_of::<V>() > size_of::<f64>()
 }
@@ -61,8 +62,8 @@ pub(super) struct Chunks<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
     systems: PhantomData<P>,
 }
 
-/// What chunks found out, in their order; one without a result, because it failed or was stopped, is the last
-/// one.
+/// The results of chunks, in their order; a chunk without a result, because it failed or was stopped, is the
+/// last one.
 pub(super) type ChunkResults = Vec<Result<Statistics, Error>>;
 
 impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P, WIDTH> {

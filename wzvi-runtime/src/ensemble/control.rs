@@ -1,4 +1,4 @@
-//! What ends a run before all its paths are done.
+//! Conditions that end a run before all its paths are done.
 
 use crate::error::{ConfigError, above_zero, wrong};
 use crate::ground::digits::ShortestDecimal;
@@ -65,7 +65,7 @@ impl ErrorTargets {
         (self.statuses(statistics).iter().all(|(_, status)| *status == TargetStatus::Met), expected)
     }
 
-    /// What became of each.
+    /// The status of each target.
     pub(super) fn statuses(&self, statistics: &Statistics) -> Vec<(usize, TargetStatus)> {
         let Some(end) = statistics.last() else { return Vec::new() };
         let status = |target: &(usize, f64)| match target {

@@ -12,7 +12,7 @@ use crate::noise::{Paths, StepNormals};
 /// Processes whose normals are drawn beside each other for a path that goes alone.
 const PROCESSES_AT_ONCE: usize = 16;
 
-/// Where the normals of the steps of a run are among those of all times.
+/// The place of the normals of a run among those of all times.
 #[derive(Clone, Copy, Debug)]
 struct NormalBlocks {
     /// The block of the first step, and the place of that step there.
@@ -47,7 +47,7 @@ impl NormalBlocks {
     }
 }
 
-/// Where the increments of `L` paths come from.
+/// The source of the increments of `L` paths.
 enum IncrementSource<'j, const L: usize> {
     /// Normals with these keys, by process; those that more is made of than increments are kept, by process
     /// and step.

@@ -67,7 +67,7 @@ impl<H> PathSystems<'_, H> {
     }
 }
 
-/// Where paths start.
+/// The starts of paths.
 pub(super) struct PathStarts<'a, V> {
     /// The start of all paths, or of path 0.
     pub(super) first: State<V>,
@@ -77,14 +77,14 @@ pub(super) struct PathStarts<'a, V> {
     pub(super) seed: u64,
 }
 
-/// What is computed once for all steps of a system.
+/// The constants of the steps of a system.
 pub(super) struct PreparedSteps<P> {
     pub(super) whole: P,
-    /// What a last step that is shorter needs.
+    /// The constants of a last step that is shorter.
     pub(super) last: Option<P>,
 }
 
-/// What is found out about paths at recorded nodes.
+/// The observables and statistics of paths at recorded nodes.
 pub(super) struct ObservedNodes<'a, H: Hamiltonian> {
     /// The start first, the end last.
     pub(super) recorded: Vec<RecordedTime>,
@@ -128,7 +128,7 @@ pub(super) enum NotInLanes {
     Work,
 }
 
-/// What is observed of the work of each path.
+/// The observed parts of the work of each path.
 #[derive(Clone, Debug)]
 pub(super) struct OwnWork {
     /// Among the observables.
@@ -212,7 +212,7 @@ impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
         self.systems.common.increments(self.degrees())
     }
 
-    /// What is prepared for steps of this size.
+    /// The constants of steps of this size.
     ///
     /// # Errors
     /// [`InternalError`] for a size that the run does not have.

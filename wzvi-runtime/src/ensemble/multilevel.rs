@@ -252,7 +252,7 @@ where
     }
 }
 
-/// What a multilevel run takes from an ensemble.
+/// The settings of an ensemble that a multilevel run takes.
 const USED: &[MadeSetting] =
     &[MadeSetting::Observe, MadeSetting::Checkpoint, MadeSetting::Handle, MadeSetting::StopWhen];
 

@@ -1,4 +1,4 @@
-//! What paths beside each other show at the nodes of a run: observables, events, and what became of each.
+//! Observation of paths in lanes at the nodes of a run: observables, events, and the outcome of each path.
 
 use super::crossings::PathCrossings;
 use super::group::{Coupled, Group, StepPaths};
@@ -24,12 +24,12 @@ pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
     next: usize,
     /// Crossings of sections and events, by lane; none if a run looks for none.
     crossings: Vec<PathCrossings<H::Vector>>,
-    /// What is needed to look inside steps, by lane; none if nobody does.
+    /// The views inside steps, by lane; none if nobody looks there.
     lanes: Vec<LaneInside<H::Vector>>,
     values: Vec<f64>,
 }
 
-/// What looks inside the steps of one lane.
+/// The view inside the steps of one lane.
 struct LaneInside<V> {
     /// The state at the last node that was looked at.
     before: State<V>,
@@ -114,7 +114,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         if self.pace.ends_after(pieces) { Err(stopped) } else { Ok(()) }
     }
 
-    /// Adds the paths that are still there to the statistics of all recorded times that belong to this node.
+    /// Adds the paths of a group to the statistics of all recorded times that belong to this node, those that
+    /// have failed as lost.
     #[inline(never)]
     fn record<P: Systems, T: StepPaths<'j, H, E, L>>(
         &mut self,
@@ -179,7 +180,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         Ok(())
     }
 
-    /// What became of the paths of a group, in the order of their numbers.
+    /// Adds the outcomes of the paths of a group, in the order of their numbers.
     pub(super) fn finish<P, T>(&mut self, paths: &mut Coupled<'j, 'a, H, E, P, T, L>) {
         let group = &mut paths.fine.lanes;
         let failures = group.take_failures();

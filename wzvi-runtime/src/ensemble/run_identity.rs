@@ -1,4 +1,4 @@
-//! What an ensemble is, for its checkpoint.
+//! The identity of an ensemble, for its checkpoint.
 
 use super::Ensemble;
 use super::job::EnsembleJob;
@@ -59,7 +59,7 @@ pub(super) fn open<H: Discretized<E>, E>(
     keeping.open(extent, described(job, [])?, &mut |tape| statistics.pass(tape))
 }
 
-/// What makes this run another than others, with further settings of its kind.
+/// The properties that tell this run from others, with further settings of its kind.
 pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
     job: &EnsembleJob<'_, H, E>,
     more: [(&str, String); MORE],
@@ -124,7 +124,7 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
     Ok(described.starting(drawn).observing(&observed(job)?))
 }
 
-/// What tells starts apart, and the checksums by path of those of a function, of which the first are
+/// The identity of the starts, and the checksums by path of those of a function, of which the first are
 /// compared. All starts of a list are compared, also where the run has fewer paths.
 fn starts<H: Discretized<E>, E>(
     job: &EnsembleJob<'_, H, E>,
@@ -147,7 +147,7 @@ fn starts<H: Discretized<E>, E>(
     })
 }
 
-/// What tells systems apart: the numbers that their Hamiltonians read.
+/// The identity of the systems: the numbers that their Hamiltonians read.
 fn systems<H: Discretized<E>, E>(job: &EnsembleJob<'_, H, E>) -> Option<(String, String)> {
     let numbers = job.systems.own.iter().flat_map(|system| {
         let named = (0..).map_while(|index| system.parameter(index));
@@ -158,7 +158,7 @@ fn systems<H: Discretized<E>, E>(job: &EnsembleJob<'_, H, E>) -> Option<(String,
         .then(|| ("the systems of the paths (checksum)".into(), checkpoint::checksum(bits)))
 }
 
-/// What tells functions apart that cannot be compared: their values at the start and at the first nodes of
+/// The identity of functions that cannot be compared: their values at the start and at the first nodes of
 /// path 0, which the run visits itself. `p` and `p²` are the same at rest, but not a step later.
 fn observed<H: Discretized<E>, E>(job: &EnsembleJob<'_, H, E>) -> Result<Vec<f64>, Error> {
     let mut seen = Vec::new();

@@ -1,4 +1,4 @@
-//! What drives the paths of an ensemble: the normals of its lanes, or any noise that has a path for each
+//! The noise of the paths of an ensemble: the normals of its lanes, or any noise that has a path for each
 //! member.
 
 use crate::error::wrong;
@@ -7,7 +7,7 @@ use crate::noise::{Driver, Paths, StepNormals, Truncation};
 use crate::scheme::plan::Plan;
 use crate::trajectory::Error;
 
-/// Where the increments of an ensemble come from.
+/// The source of the increments of an ensemble.
 pub(super) struct NoiseSource<'a> {
     /// Queried path by path.
     noise: Box<dyn Driver + 'a>,
@@ -88,12 +88,12 @@ impl<'a> NoiseSource<'a> {
         self.noise.seed_number().unwrap_or(0)
     }
 
-    /// What it is, for people.
+    /// The name of the noise, for people.
     pub(super) fn in_words(&self) -> String {
         self.identity().map_or_else(|| "given".to_owned(), |identity| identity.to_string())
     }
 
-    /// What it is; `None` if it does not promise to be the same again.
+    /// The identity of the noise; `None` if it does not promise to be the same again.
     pub(super) fn identity(&self) -> Option<Identity> {
         self.noise.identity()
     }

@@ -1,4 +1,4 @@
-//! What each path of an ensemble may have of its own: the state where it starts, and its system.
+//! Starts and systems of their own for the paths of an ensemble.
 
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure, wrong};
@@ -8,7 +8,7 @@ use crate::scheme::system::Discretized;
 /// A function from the generator of a path.
 pub(super) type Sampler<'a, T> = Box<dyn Fn(&mut Draw) -> T + Send + Sync + 'a>;
 
-/// What each path has of its own: its first state, or its system.
+/// A property of each path: its first state, or its system.
 pub(super) enum ByPath<'a, T> {
     Listed(Vec<T>),
     Drawn(Sampler<'a, T>),
@@ -44,7 +44,7 @@ impl Systems for SystemByPath {
     const ARE_OWN: bool = true;
 }
 
-/// What is drawn: starts and systems are independent.
+/// The kind of a draw: starts and systems are independent.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum DrawPurpose {
     Start,

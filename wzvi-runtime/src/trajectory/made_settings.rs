@@ -27,7 +27,7 @@ pub(crate) enum MadeSetting {
     ObserveWork,
     /// Observables that read the system of a path, as temperatures do.
     OwnObservables,
-    /// One that is not `StepNormals`.
+    /// A noise that is not `StepNormals`.
     OtherNoise,
     Quantiles,
     RecordAt,
@@ -44,7 +44,7 @@ pub(crate) enum MadeSetting {
 }
 
 impl MadeSetting {
-    /// Its name in an error, of the method where there is one.
+    /// The name of the setting in an error: that of its method, where there is one.
     fn name(self) -> &'static str {
         match self {
             Self::AllowLosses => "`allow_losses`",

@@ -59,7 +59,8 @@ pub(crate) struct StepToTake<'s, V, N> {
     pub(crate) interval: Interval,
     /// `None` for a system without noise, which is asked for nothing.
     pub(crate) noise: &'s mut Option<N>,
-    /// Its increments, one per process, which are to be filled in: those of the noises, then those of a bath.
+    /// The increments of the step, one per process, which are to be filled in: those of the noises, then
+    /// those of a bath.
     pub(crate) dw: &'s mut [f64],
 }
 

@@ -209,8 +209,8 @@ mod tests {
 
     use crate::compile::expand;
 
-    /// The same discrete Lagrangian as in straight lines: `h e^{γlh} H(P/e^{γlh}, q_l)`, and a new momentum
-    /// that is damped over the whole step.
+    /// Loops have the discrete Lagrangian of straight lines: `h e^{γlh} H(P/e^{γlh}, q_l)`, and a new
+    /// momentum that is damped over the whole step.
     #[test]
     fn friction_of_steps_is_in_every_equation_of_loops() {
         let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() \

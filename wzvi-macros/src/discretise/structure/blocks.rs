@@ -120,7 +120,7 @@ impl Dependencies {
 /// Whether the vertices in the set `left` have no cycle, where `masks[i]` is the set of those that `i` reads.
 fn is_acyclic(masks: &[usize], mut left: usize) -> bool {
     while left != 0 {
-        // What reads nothing that is left is on no cycle.
+        // An unknown that reads nothing that is left is on no cycle.
         let mut ready = 0;
         for (at, mask) in masks.iter().enumerate() {
             if left >> at & 1 == 1 && mask & left == 0 {

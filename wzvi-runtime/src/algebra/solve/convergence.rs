@@ -170,9 +170,9 @@ pub(super) struct Convergence<S> {
 pub(super) enum Verdict {
     /// It was the last.
     Converged,
-    /// It contracts.
+    /// The iteration contracts.
     Contracting,
-    /// It does not.
+    /// The iteration does not contract.
     Straying,
 }
 
@@ -289,7 +289,7 @@ impl Convergence<f64> {
         if beyond == 0.0 {
             return Verdict::Converged;
         }
-        // What is rounding may have been the larger part of the correction before.
+        // Rounding may have been the larger part of the correction before.
         let own = if self.is_beyond_rounding { 0.0 } else { self.allowed(CURVATURE * square) };
         if beyond < allowed.max(own) {
             self.is_beyond_rounding = true;
@@ -299,8 +299,8 @@ impl Convergence<f64> {
         Verdict::Straying
     }
 
-    /// What the next correction has to be below: `CURVATURE` times the square of the last one, and at most
-    /// half of it.
+    /// The bound of the next correction: `CURVATURE` times the square of the last one, and at most half of
+    /// it.
     fn allowed(&self, curved: f64) -> f64 {
         // CURVATURE = CONTRACTION²
         let half = curved.sqrt();

@@ -47,10 +47,10 @@ const MOST_POINTS: u32 = 40;
 /// Directed corrections after the last one that reached an unknown which none had moved before. A push along
 /// a chain reaches one more in each, and 20 to 25 more finish chains of 2 to 100 beads.
 const MOST_WITHOUT_CONTACT: u32 = 32;
-/// What is left of the way back from the end of the iteration, with the Jacobian there, at most: `J_1⁻¹ r_0`
-/// for `d = x_0 - x_1`. From a start of the Kantorovich number `ω |c| = 1/4`, of which an eighth is left,
-/// `ω |d| <= 1 - √(1/2)` and `|J_1⁻¹ r_0 - d| <= ω |d|² / (2 (1 - ω |d|))` (lemmas 2.1 and 2.2 there). The
-/// end of another branch, where one contraction was small by accident, has a Jacobian of its own.
+/// The most that may be left of the way back from the end of the iteration, with the Jacobian there:
+/// `J_1⁻¹ r_0` for `d = x_0 - x_1`. From a start of the Kantorovich number `ω |c| = 1/4`, of which an eighth
+/// is left, `ω |d| <= 1 - √(1/2)` and `|J_1⁻¹ r_0 - d| <= ω |d|² / (2 (1 - ω |d|))` (lemmas 2.1 and 2.2
+/// there). The end of another branch, where one contraction was small by accident, has a Jacobian of its own.
 const RETURN: f64 = 0.5 * (std::f64::consts::SQRT_2 - 1.0);
 /// The Jacobian counts as close to the identity if a correction differs from that of the identity by at most
 /// this fraction of the longer one: half of the difference that reverses it.
@@ -114,7 +114,7 @@ impl<V: Clone> NewtonScratch<V> {
         Self { x, first, correction, trial, residual, next }
     }
 
-    /// What was found.
+    /// The solution that was found.
     pub(crate) fn solution(&self) -> &V {
         &self.trial
     }
@@ -393,7 +393,7 @@ impl<P: Problem> Search<'_, P> {
 
 /// A correction that was taken.
 struct Descent {
-    /// Which fraction of it.
+    /// The fraction of the correction that is taken.
     length: f64,
     /// Whether the whole correction, where it was tried, contracts enough to be safe.
     contracts: bool,

@@ -45,8 +45,8 @@ impl Effort {
         Self { iterations, doubt: Doubt::None, is_far: false, is_reversed: false, is_indefinite: false }
     }
 
-    /// What `1 / pivot` of an unknown that was isolated in front of the iteration adds: the determinant of
-    /// the whole Jacobian is that of the iterated part times the pivot.
+    /// The effort that `1 / pivot` of an unknown adds which was isolated in front of the iteration: the
+    /// determinant of the whole Jacobian is that of the iterated part times the pivot.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn isolated<S: Scalar, const CAREFUL: bool>(inverse: S) -> Self {
         Self { is_reversed: CAREFUL && inverse.less(S::from_f64(0.0)).all(), ..Self::fast(0) }

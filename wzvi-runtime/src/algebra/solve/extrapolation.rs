@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn a_lane_remembers_the_steps_that_it_took() {
         let solution = |step: u32, lane: usize| f64::from(step * step) + 0.3 * lane as f64;
-        // Which lanes take each of six steps.
+        // The lanes that take each of six steps.
         let steps = [
             [true, true, false],
             [true, false, false],

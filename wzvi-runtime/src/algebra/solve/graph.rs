@@ -135,7 +135,7 @@ struct Dissection<'a> {
 }
 
 impl Dissection<'_> {
-    /// What is joined, by distance from one end of it.
+    /// The connected components of these unknowns, each by distance from one end of it.
     fn components(&mut self, unknowns: Vec<usize>) -> Vec<Vec<usize>> {
         self.parts += 1;
         let all = self.parts;
@@ -174,7 +174,7 @@ impl Dissection<'_> {
         if above.is_empty() { [Vec::new(), Vec::new(), below] } else { [below, above, between] }
     }
 
-    /// What is joined with an unknown in its part, by distance from it.
+    /// The unknowns that are connected with this one in its part, by distance from it.
     fn search(&mut self, start: usize) -> Vec<usize> {
         let part = self.part[start];
         self.parts += 1;

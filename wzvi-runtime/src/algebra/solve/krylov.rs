@@ -27,7 +27,7 @@ pub struct Krylov<S> {
     /// The rotated right-hand side, then the coefficients of the solution.
     projection: [S; BASIS + 1],
     solution: Vec<S>,
-    /// What the preconditioner makes of a vector.
+    /// The preconditioner applied to a vector.
     conditioned: Vec<S>,
     image: Vec<S>,
 }

@@ -142,7 +142,7 @@ impl<H: Hamiltonian> Hamiltonian for Linearised<'_, H> {
     }
 }
 
-/// What is prepared of the system, whatever the constants of a step: all paths have one system.
+/// The constants of the system, which all paths share, in any kind of number.
 #[derive(Clone, Debug)]
 pub(crate) struct LinearisedConstants<P>(P);
 

@@ -1,4 +1,4 @@
-//! What rank 0 and the others send to each other.
+//! Messages between rank 0 and the others.
 //!
 //! Rank 0 must be able to go on without a rank that has stalled, and that rank to end when it wakes up. So
 //! nobody sends what the other one may never receive: results that are more than a few words are announced,

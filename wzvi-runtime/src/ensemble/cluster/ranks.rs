@@ -1,11 +1,11 @@
-//! What all ranks do together: agree, compare, and end.
+//! Actions of all ranks together: agree, compare, and end.
 
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 
 use crate::trajectory::Error;
 use crate::trajectory::error::ClusterError;
 
-/// What a process that panics ends with.
+/// The exit code of a process that panics.
 const PANICKED: i32 = 101;
 
 /// Ends the processes of all ranks if this one panics: the others would wait for it.

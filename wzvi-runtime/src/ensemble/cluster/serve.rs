@@ -30,7 +30,7 @@ pub(super) struct RankWork<'h, Work> {
     pub(super) stop: &'h (dyn Fn() -> bool + Sync),
 }
 
-/// What became of a run.
+/// The outcome of a run.
 pub(super) struct ServerOutcome {
     pub(super) outcome: Result<(), Error>,
     /// Whether there are ranks that did not answer: they may send yet.

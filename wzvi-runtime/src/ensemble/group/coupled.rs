@@ -100,7 +100,7 @@ where
 /// The observable at the end of the path of a lane.
 ///
 /// # Errors
-/// Where it has no value.
+/// [`LevelError`] if the path failed, or its observable is not finite.
 fn end_of<'j, H: Discretized<E>, E, T: StepPaths<'j, H, E, L>, const L: usize>(
     group: &mut Group<'j, '_, H, E, T, L>,
     lane: usize,

@@ -38,7 +38,7 @@ pub(super) struct Halving<'j, 'a, H: Discretized<E>, E, T, const L: usize> {
     subdivision: Option<Subdivision<'j, H, E, PlainSum>>,
     /// The last step of each lane that was halved, and how often.
     halved: [Option<(u64, u32)>; L],
-    /// What the parts of a halved step are compared with.
+    /// The motion of each path, with which the parts of a halved step are compared.
     motions: Motions<H::Vector>,
     /// Increments of one lane.
     dw: Vec<f64>,
@@ -217,8 +217,8 @@ where
     }
 }
 
-/// What halves the steps of this size of a path: made when it is first needed, and anew for each path that
-/// has its own system.
+/// The subdivision of steps of this size: made when it is first needed, and anew for each path that has its
+/// own system.
 fn subdivision_of<'s, 'j, H: Discretized<E>, E>(
     kept: &'s mut Option<Subdivision<'j, H, E, PlainSum>>,
     job: &'j EnsembleJob<'_, H, E>,

@@ -47,27 +47,27 @@ pub(in crate::ensemble) struct InLanes<'j, 'a, H: Discretized<E>, E, P, const L:
 
 /// The systems of paths that have their own.
 struct OwnSystems<H: Discretized<E>, E, const L: usize> {
-    /// What is prepared of each.
+    /// The constants of each system.
     prepared: Vec<PreparedOf<H, E>>,
-    /// These, in lanes; a lane whose path has failed has that of another.
+    /// The constants in lanes; a lane whose path has failed has those of another.
     gathered: Option<PreparedOf<H, E, Lanes<L>>>,
-    /// Which paths had failed then.
+    /// The path of each lane of `gathered`.
     lanes: Option<[usize; L]>,
 }
 
 /// A step to check, and its memory.
 type CheckedStart<'j, H, E> = (HardStep<'j, H, E, PlainSum>, MemoryOf<H, E, f64>);
 
-/// Which steps have no guide in the ones before, and their check: a solution that the fast method has found
+/// The steps without a guide in the ones before, and their check: a solution that the fast method has found
 /// need not be the one that continues the state ([`HardStep::check`]).
 struct Guides<'j, H: Discretized<E>, E, const L: usize> {
     /// The step that each lane begins without a guide: the first, or one after a halved or hard one.
     unguided: [u64; L],
     /// The last of these.
     next: u64,
-    /// Where that step began, by lane.
+    /// The state at the start of that step, by lane.
     starts: Vec<State<H::Vector>>,
-    /// What checks it, with room for the next check.
+    /// The check of that step, with room for the next one.
     checked: Option<CheckedStart<'j, H, E>>,
 }
 

@@ -1,4 +1,4 @@
-//! What steps in lanes leave for the next: in lanes as well, or lane by lane.
+//! The memory of steps in lanes: in lanes as well, or lane by lane.
 
 use crate::algebra::memory::{MemoryRequest, StepMemory};
 use crate::error::InternalError;
@@ -10,7 +10,7 @@ pub(super) struct LaneMemories<J, S> {
     pub(super) joint: J,
     /// None before they are needed, and where nothing is remembered.
     by_lane: Vec<S>,
-    /// It stands in for a memory where nothing is remembered.
+    /// A memory without content, for schemes that remember nothing.
     none: S,
     /// Whether the memories by lane are in use: from a step that some lanes could not take by the fast method
     /// to the first one before which all lanes remember as much.
@@ -66,7 +66,7 @@ impl<J: StepMemory, S: StepMemory> LaneMemories<J, S> {
     }
 }
 
-/// What one scheme leaves has the same shape for every number.
+/// The error of memories of different shape, which one scheme does not have.
 pub(super) fn other_memory() -> InternalError {
     InternalError::new("what a step leaves is the same for lanes and alone", "a group of paths")
 }

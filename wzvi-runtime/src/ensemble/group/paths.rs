@@ -1,4 +1,4 @@
-//! Which paths the lanes of a group have, and which of them have failed.
+//! The paths in the lanes of a group, and the failed ones among them.
 
 use std::array::from_fn;
 

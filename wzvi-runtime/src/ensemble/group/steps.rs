@@ -1,4 +1,4 @@
-//! What takes the steps of the paths of a group: [`InLanes`](super::in_lanes::InLanes), or
+//! The ways to take the steps of the paths of a group: [`InLanes`](super::in_lanes::InLanes), or
 //! [`BySteppers`](super::by_steppers::BySteppers).
 
 use super::paths::LanePaths;
@@ -21,7 +21,7 @@ pub(in crate::ensemble) trait StepPaths<'j, H: Discretized<E>, E, const L: usize
     /// Puts the path of a lane into a state.
     fn put(&mut self, lane: usize, q: &H::Vector, p: &H::Vector);
 
-    /// What earlier steps of a lane left is no guide for this step.
+    /// Begins this step of a lane without a guide in its earlier steps.
     ///
     /// # Errors
     /// [`InternalError`] if lanes cannot have memories of their own.
@@ -88,7 +88,7 @@ pub(in crate::ensemble) enum NotTaken {
 
 impl NotTaken {
     /// # Errors
-    /// These paths, if there are any.
+    /// The refusal by these paths, if there are any.
     pub(super) fn by(refused: Vec<RefusedPath>) -> Result<(), Self> {
         if refused.is_empty() { Ok(()) } else { Err(Self::Paths(refused)) }
     }

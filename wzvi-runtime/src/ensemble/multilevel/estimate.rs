@@ -1,4 +1,4 @@
-//! What a multilevel run found out.
+//! The results of a multilevel run.
 
 use std::fmt;
 

@@ -84,13 +84,13 @@ impl LevelProgress {
         self.found.first().and_then(Statistics::last).is_none_or(|end| end.is_constant(FINE))
     }
 
-    /// What is known of each level at the end of its paths.
+    /// The statistics of each level at the end of its paths.
     fn ends(&self) -> Vec<&StatisticsNode> {
         self.found.iter().filter_map(Statistics::last).collect()
     }
 }
 
-/// What is to be found out of a level, of no path yet.
+/// The statistics of a level, of no path yet.
 fn known<H: Discretized<E>, E>(job: &EnsembleJob<'_, H, E>) -> Statistics {
     let node = StatisticsNode::new(2, false, (false, false), Vec::new());
     let nodes = RecordedNodes::new(&[job.grid.time(job.grid.steps)], &node, Vec::new());
@@ -275,7 +275,7 @@ where
         let met = |error: f64, bias: f64| {
             !is_partial
                 && !is_constant
-                // What the tolerance on the numbers of paths may add.
+                // The tolerance on the numbers of paths may add this much.
                 && error * error <= (1.0 + TOLERANCE) * (1.0 - BIAS_PART) * self.limits.target * self.limits.target
                 && bias <= BIAS_PART.sqrt() * self.limits.target
         };

@@ -35,7 +35,7 @@ pub(crate) struct Queue<T> {
     waiting: BTreeMap<u64, Vec<T>>,
     /// Batches that are begun once more: whoever has them does not answer.
     again: VecDeque<Range<u64>>,
-    /// What a block of the slowest batch so far has taken.
+    /// The time for a block of the slowest batch so far.
     slowest: Option<Duration>,
     is_stopped: bool,
 }

@@ -70,9 +70,9 @@ pub(super) struct GaussHistory<S: Scalar, H: Shape, W: Shape, const N: usize> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum KnownDerivatives {
     Nothing,
-    /// Its derivatives at the stages.
+    /// The derivatives at the stages.
     Slopes,
-    /// These, and the factors of its Jacobian there.
+    /// The derivatives at the stages, and the factors of the Jacobian there.
     Factors,
 }
 

@@ -162,8 +162,8 @@ impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> StepEquations<'_
         SweepOutcome { are_settled, are_wild, sweeps, failure }
     }
 
-    /// Which of these paths further sweeps finish with fewer operations than Newton's method, from the
-    /// relative changes before a window of sweeps and after it.
+    /// The paths that further sweeps finish with fewer operations than Newton's method, by the relative
+    /// changes before a window of sweeps and after it.
     #[cold]
     #[inline(never)]
     fn pay(&self, asked: S::Mask, pinned: Iteration, [before, change]: [S; 2]) -> S::Mask {
@@ -200,7 +200,7 @@ impl<F: Field, K: Constant, S: ComputesWith<K>, const N: usize> StepEquations<'_
         }
     }
 
-    /// Which of these paths have stages that solve the equations to the rounding of their terms.
+    /// The paths whose stages solve the equations to the rounding of their terms.
     #[cold]
     #[inline(never)]
     fn are_rounding(

@@ -34,7 +34,7 @@ use crate::scheme::system::{DEVIATIONS, TakenStep};
 
 /// The most unknowns for which all columns together take the time of a few steps.
 const MOST_UNKNOWNS: usize = 64;
-/// What the entries of each row may add up to, beside the identity: below that, elimination without exchanges
+/// The largest sum of the entries of a row, beside the identity: below that, elimination without exchanges
 /// is stable (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, section 9.5).
 const DOMINATED: f64 = 1.0;
 /// Directions in which derivatives are differentiated at once.
@@ -58,7 +58,7 @@ pub(super) struct Linear<const N: usize> {
     inverse_mass: Vec<f64>,
     /// Second derivatives of `b_j F` at all stages, by rows: derivatives by `(q, p)`, then unknowns.
     hessian: Vec<Lanes<N>>,
-    /// What multiplies the deviations of the stages in the equations of each unknown: in Nyström form
+    /// The coefficients of the deviations of the stages in the equations of each unknown: in Nyström form
     /// `h M⁻¹ F_qq`, else `-F_p` and `F_q`.
     products: Vec<Lanes<N>>,
     /// The matrix by rows, then its upper factor. Unknowns are stage after stage of each kind and degree of
