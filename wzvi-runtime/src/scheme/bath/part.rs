@@ -75,7 +75,8 @@ impl<K> BathLaw<K> {
 /// [`ConfigError::Bath`]
 pub(super) fn prepare<T: Elements, K: Constant>(
     system: &T,
-    (lift, h): (LiftParameter<'_, K>, K),
+    lift: LiftParameter<'_, K>,
+    h: K,
     shares: OPartShares,
 ) -> Result<BathLaw<K>, ConfigError> {
     let (degrees, friction) = (system.degrees(), Damped::<T>::FRICTION);
@@ -163,7 +164,8 @@ impl<S: Scalar> BathTemperatures<S> {
         (system, parameters): (&T, &[K]),
         relaxation: &Relaxation<K>,
         [t, h]: [K; 2],
-        (shares, degrees): (OPartShares, usize),
+        shares: OPartShares,
+        degrees: usize,
     ) -> Result<(), BathError>
     where
         S: ComputesWith<K>,
@@ -270,8 +272,8 @@ impl<S: Scalar> BathMemory<S> {
             }
         };
         if const { drives::<T>() } && !relaxation.is_still() {
-            let (of, size) = ((system, &parameters[..]), (shares, degrees));
-            self.driving.fill(of, relaxation, [t, h], size).map_err(StepFailure::Bath)?;
+            let of = (system, &parameters[..]);
+            self.driving.fill(of, relaxation, [t, h], shares, degrees).map_err(StepFailure::Bath)?;
         }
         let per_part = (expected - noises) / shares.parts;
         let Self { room, driving, blocks, by_degree, heats, .. } = self;

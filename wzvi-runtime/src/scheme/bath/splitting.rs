@@ -140,7 +140,7 @@ where
         h: K,
     ) -> Result<Self::Prepared<K>, ConfigError> {
         check_new(system)?;
-        let relaxation = part::prepare(system, (lift, h), shares::<W>())?;
+        let relaxation = part::prepare(system, lift, h, shares::<W>())?;
         let letters = W::SPELLING.stages();
         let substeps: Vec<Substep> =
             letters.iter().filter_map(|stage| Some((stage.act.half()?, stage.weight))).collect();

@@ -80,7 +80,7 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for ThermostatSteps<E> {
         lift: LiftParameter<'_, K>,
         h: K,
     ) -> Result<Self::Prepared<K>, ConfigError> {
-        let relaxation = part::prepare(system, (lift, h), SHARES)?;
+        let relaxation = part::prepare(system, lift, h, SHARES)?;
         Ok(ThermostatConstants { step: SchemeOf::<T, E>::prepare(system, lift, h)?, relaxation })
     }
 

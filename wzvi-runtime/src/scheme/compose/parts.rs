@@ -96,7 +96,8 @@ enum Act<K> {
 fn prepare<F: Elements, K: Constant>(
     system: &F,
     degrees: usize,
-    (lift, h): (LiftParameter<'_, K>, K),
+    lift: LiftParameter<'_, K>,
+    h: K,
     substeps: &[Substep],
 ) -> Result<PartConstants<K>, ConfigError> {
     let parameters = varied_without_lists(system, lift)?;
@@ -153,7 +154,7 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<Substeps<E, T
         h: K,
     ) -> Result<PartConstants<K>, ConfigError> {
         check_new(system)?;
-        prepare(system, system.degrees(), (lift, h), &W::substeps())
+        prepare(system, system.degrees(), lift, h, &W::substeps())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -187,7 +188,7 @@ impl<E, T, W: Composes<E, T>> PartFlows<Substeps<E, T, W>> {
     ) -> Option<SequenceEnd<F::Vector>> {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
-        let prepared = prepare(system, degrees, (&as_they_are, h), &W::substeps()).ok()?;
+        let prepared = prepare(system, degrees, &as_they_are, h, &W::substeps()).ok()?;
         let StageList(stages) = prepared.stages;
         let action = |stage: &Stage<Act<f64>>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = |half: Half| {

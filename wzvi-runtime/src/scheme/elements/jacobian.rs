@@ -170,7 +170,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
                 let stages = lists.lend();
                 let operator = &mut Operator {
                     product: &mut |x: &[S], y: &mut [S]| {
-                        self.product((&stages, diagonal, *leaves_out), units, (x, y), room);
+                        self.product(&stages, diagonal, *leaves_out, units, x, y, room);
                     },
                     precondition: &mut |x: &mut [S]| {
                         multiply(x, units);
@@ -189,11 +189,18 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
 
     /// `y = J x` at the current stages, with each kind of unknown in its own unit, so that one norm covers
     /// both; without the entries that are not finite where `leaves_out`.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "an operator, its units, and the lists that it reads and writes"
+    )]
     fn product(
         &self,
-        (lists, diagonal, leaves_out): (&StepLists<'_, S>, &[S], bool),
+        lists: &StepLists<'_, S>,
+        diagonal: &[S],
+        leaves_out: bool,
         units: Units,
-        (x, y): (&[S], &mut [S]),
+        x: &[S],
+        y: &mut [S],
         room: &mut Vec<S>,
     ) {
         if leaves_out {

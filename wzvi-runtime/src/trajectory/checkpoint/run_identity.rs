@@ -23,12 +23,14 @@ impl CheckpointSetting {
         self,
         path: &mut OnePath<'_, '_, H, E, N, C>,
         run: &mut RunState<'_, '_, impl Observer<H::Vector>, H::Vector>,
-        (grid, retry, sections): (&NodeGrid, Retry, &Sections<'_, H::Vector>),
+        grid: &NodeGrid,
+        retry: Retry,
+        sections: &Sections<'_, H::Vector>,
     ) -> Result<CheckpointKeeper, Error> {
         if !self.is_set() {
             return Ok(CheckpointKeeper::default());
         }
-        let described = described(path, run, (retry, sections))?;
+        let described = described(path, run, retry, sections)?;
         let (extent, mut forces) =
             (RunExtent { kind: CheckpointKind::Path, all: grid.whole(), unit: 1 }, String::new());
         let keeper =
@@ -60,7 +62,8 @@ impl CheckpointKeeper {
 fn described<H: Discretized<E>, E, N: Noise, C: StateSum<f64>>(
     path: &OnePath<'_, '_, H, E, N, C>,
     run: &RunState<'_, '_, impl Observer<H::Vector>, H::Vector>,
-    (retry, sections): (Retry, &Sections<'_, H::Vector>),
+    retry: Retry,
+    sections: &Sections<'_, H::Vector>,
 ) -> Result<RunDescription, CheckpointError> {
     let noise = path.noise.as_ref().map_or_else(|| Some(Identity::of("none")), N::identity);
     let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();

@@ -63,7 +63,7 @@ where
             first: grid.first(),
         };
         let mut run = RunState { observer, account, looks: between() };
-        let keeper = keeping.open_path(&mut path, &mut run, (&grid, retry, &sections))?;
+        let keeper = keeping.open_path(&mut path, &mut run, &grid, retry, &sections)?;
         let mut first = keeper.first();
         if let Some(looks) = &mut run.looks {
             looks.arrive(first, path.state);
