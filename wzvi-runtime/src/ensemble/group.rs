@@ -28,7 +28,7 @@ use halving::PathStep;
 pub(super) use halving::SeeInside;
 pub(super) use in_lanes::InLanes;
 pub(super) use paths::LanePaths;
-use steps::GroupStep;
+use steps::DrivenPaths;
 pub(super) use steps::StepPaths;
 use watched::Watched;
 
@@ -42,11 +42,10 @@ use crate::scheme::system::{Discretized, Exchange, Scheme, SchemeOf};
 use crate::trajectory::Error;
 use crate::trajectory::step::Exchanged;
 
-/// `L` paths of a job, and what drives them.
+/// `L` paths of a job, and how their steps are taken.
 pub(super) struct Group<'j, 'a, H: Discretized<E>, E, T, const L: usize> {
     job: &'j EnsembleJob<'a, H, E>,
-    pub(super) lanes: LanePaths<L>,
-    increments: LaneIncrements<'j, L>,
+    pub(super) paths: DrivenPaths<'j, L>,
     steps: Watched<'j, 'a, H, E, T, L>,
     /// Increments of one lane.
     dw: Vec<f64>,
@@ -65,7 +64,8 @@ where
         let processes = job.processes();
         let increments = LaneIncrements::new(&job.source, processes, job.grid.h);
         let (dw, after) = (vec![0.0; processes], job.starts.first.clone());
-        Self { job, lanes: LanePaths::none(), increments, steps: Watched::new(job, steps), dw, after }
+        let paths = DrivenPaths { lanes: LanePaths::none(), increments };
+        Self { job, paths, steps: Watched::new(job, steps), dw, after }
     }
 
     /// Starts paths `path ..`, as many as there are before `end`.
@@ -73,7 +73,7 @@ where
     /// # Errors
     /// The errors of a system that cannot be prepared, and of a start that is none.
     pub(super) fn begin(&mut self, path: u64, end: u64) -> Result<(), Error> {
-        let Self { job, lanes, increments, steps, .. } = self;
+        let Self { job, paths: DrivenPaths { lanes, increments }, steps, .. } = self;
         lanes.begin(path, end);
         steps.restart(0, job.grid.h, lanes)?;
         increments.begin(path);
@@ -104,7 +104,7 @@ where
         match self.job.grid.shorter {
             Some(size) if step + 1 == self.job.grid.steps => self.draw_last(step, size),
             _ => {
-                let Self { job, lanes, increments, .. } = self;
+                let Self { job, paths: DrivenPaths { lanes, increments }, .. } = self;
                 let interval = Interval { step, ..job.grid.first() };
                 Ok(increments.draw(&interval, |lane| lanes.goes_on(lane))?)
             }
@@ -114,7 +114,7 @@ where
     #[cold]
     #[inline(never)]
     fn draw_last(&mut self, step: u64, size: f64) -> Result<(), Error> {
-        let Self { job, lanes, increments, steps, .. } = self;
+        let Self { job, paths: DrivenPaths { lanes, increments }, steps, .. } = self;
         steps.restart(step, size, lanes)?;
         let interval = Interval { step, ..job.grid.first() };
         Ok(increments.draw_last(&job.source, &interval, size, |lane| lanes.goes_on(lane))?)
@@ -126,8 +126,7 @@ where
     /// If the run cannot go on; a path that fails ends alone.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn step(&mut self, number: u64) -> Result<(), Error> {
-        let Self { job, lanes, increments, steps, .. } = self;
-        steps.step(GroupStep { number, t: job.grid.time(number), increments, lanes })
+        self.steps.step(number, &mut self.paths)
     }
 
     /// The state of a lane at a node that all have reached.
@@ -137,7 +136,7 @@ where
 
     /// The increments of a lane in a step that has been drawn.
     pub(super) fn increments_of(&mut self, lane: usize, step: u64) -> &[f64] {
-        self.increments.of_lane(lane, step, &mut self.dw)
+        self.paths.increments.of_lane(lane, step, &mut self.dw)
     }
 
     /// How often the last step of a lane was halved, if it is this one.
@@ -158,7 +157,7 @@ where
         dense: &mut DenseOutput<H::Vector>,
         see: SeeInside<'_, H::Vector>,
     ) -> Result<(), Error> {
-        let Self { job, lanes, increments, steps, after, .. } = self;
+        let Self { job, paths: DrivenPaths { lanes, increments }, steps, after, .. } = self;
         copy_state(after, steps.halving.inner.state_at(lane, job.grid.time(node)));
         let taken = PathStep { lane, path: lanes.number(lane), number: node - 1, nodes: [before, after] };
         steps.halving.look_inside(taken, increments, dense, see)
@@ -177,7 +176,7 @@ where
         has_weight: bool,
         into: &mut [f64],
     ) -> Result<(), Error> {
-        let path = self.lanes.source(lane);
+        let path = self.paths.lanes.source(lane);
         let (system, start) = (self.job.systems.of(path), self.job.start_of(path)?);
         let gained = system.energy(self.state_at(lane, node)) - system.energy(&start);
         let missing = || InternalError::new("paths whose work is observed have steppers", lane);

@@ -91,13 +91,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         let Self { job, statistics, crossings, lanes, .. } = self;
         let times = [node - 1, node].map(|node| job.grid.time(node));
         for (lane, crossings) in crossings.iter_mut().enumerate() {
-            if !group.lanes.goes_on(lane) {
+            if !group.paths.lanes.goes_on(lane) {
                 continue;
             }
             if job.has_passages_at_nodes() {
                 crossings.look_at_node(job, times, group.state_at(lane, node));
             }
-            let (path, number) = (group.lanes.number(lane), crossings.looked_for_inside(job));
+            let (path, number) = (group.paths.lanes.number(lane), crossings.looked_for_inside(job));
             if let Some(LaneInside { before, dense, .. }) = lanes.get_mut(lane).filter(|_| number > 0) {
                 group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
                     crossings.look_inside(job, number, dense, path, &mut *statistics);
@@ -139,17 +139,17 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         let (job, place) = (self.job, self.next);
         for lane in 0..L {
             self.work(1, node)?;
-            if !paths.fine.lanes.is_path(lane) {
+            if !paths.fine.paths.lanes.is_path(lane) {
                 continue;
             }
-            let path = paths.fine.lanes.number(lane);
+            let path = paths.fine.paths.lanes.number(lane);
             if const { P::ARE_PAIRED } {
                 let values = &paths.end_of_pair(lane).map_err(Error::Level)?;
                 self.statistics.see(path, &Seen::Values { node: place, values });
                 continue;
             }
             let group = &mut paths.fine;
-            if group.lanes.has_failed(lane) {
+            if group.paths.lanes.has_failed(lane) {
                 self.statistics.see(path, &Seen::Lost { node: place });
                 continue;
             }
@@ -182,7 +182,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
 
     /// Adds the outcomes of the paths of a group, in the order of their numbers.
     pub(super) fn finish<P, T>(&mut self, paths: &mut Coupled<'j, 'a, H, E, P, T, L>) {
-        let group = &mut paths.fine.lanes;
+        let group = &mut paths.fine.paths.lanes;
         let failures = group.take_failures();
         let paths = || self.crossings.iter().enumerate().filter(|(lane, _)| group.is_path(*lane));
         for event in 0..self.job.crossed.events.len() {

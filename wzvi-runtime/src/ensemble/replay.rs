@@ -71,7 +71,7 @@ fn follow<'j, H: Discretized<E>, E, T: StepPaths<'j, H, E, 2>>(
     let (mut dense, mut reached) = (DenseOutput::of(&start), start);
     let taken = (1..=job.grid.steps).try_for_each(|node| {
         group.advance(node - 1)?;
-        if let Some(failure) = group.lanes.failure_of(path) {
+        if let Some(failure) = group.paths.lanes.failure_of(path) {
             return Err(failure.error.into());
         }
         let halvings = group.halvings_of(lane, node - 1);

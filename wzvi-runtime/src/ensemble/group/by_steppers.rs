@@ -2,7 +2,7 @@
 //! [`NotInLanes`](crate::ensemble::job::NotInLanes).
 
 use super::paths::LanePaths;
-use super::steps::{GroupStep, NotTaken, RefusedPath, StepPaths};
+use super::steps::{DrivenPaths, NotTaken, RefusedPath, StepPaths};
 use crate::algebra::state::State;
 use crate::algebra::state_sum::PlainSum;
 use crate::ensemble::job::EnsembleJob;
@@ -63,12 +63,13 @@ impl<'j, H: Discretized<E>, E, const L: usize> StepPaths<'j, H, E, L> for ByStep
     }
 
     #[inline(never)]
-    fn step(&mut self, step: GroupStep<'_, 'j, L>) -> Result<(), NotTaken> {
-        let (number, mut refused) = (step.number, Vec::new());
+    fn step(&mut self, number: u64, paths: &mut DrivenPaths<'j, L>) -> Result<(), Box<NotTaken>> {
+        let (t, mut refused) = (self.job.grid.time(number), Vec::new());
         for (lane, (stepper, state)) in self.steppers.iter_mut().zip(&mut self.states).enumerate() {
-            if !step.lanes.has_failed(lane) {
-                state.t = step.t;
-                if let Err(error) = stepper.step(state, step.increments.of_lane(lane, number, &mut self.dw)) {
+            if !paths.lanes.has_failed(lane) {
+                state.t = t;
+                if let Err(error) = stepper.step(state, paths.increments.of_lane(lane, number, &mut self.dw))
+                {
                     refused.push(RefusedPath { lane, error: StepError { step: number, ..error } });
                 }
             }

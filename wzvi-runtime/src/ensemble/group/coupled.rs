@@ -38,9 +38,9 @@ where
     ) -> Self {
         let mut fine = Group::new(job, make(job));
         if coarse.is_some() {
-            fine.increments.keep_normals();
+            fine.paths.increments.keep_normals();
         } else if L == 1 && job.not_in_lanes() == Some(NotInLanes::LargeSystem) {
-            fine.increments.draw_one_path();
+            fine.paths.increments.draw_one_path();
         }
         let coarse = coarse.map(|job| Group::new(job, make(job)));
         Self { fine, coarse, first: vec![Lanes::from_f64(0.0); job.processes()], systems: PhantomData }
@@ -73,9 +73,9 @@ where
     fn advance_coarse(&mut self, step: u64) -> Result<(), Error> {
         let Self { fine, coarse: Some(coarse), first, .. } = self else { return Ok(()) };
         for (process, first) in first.iter_mut().enumerate() {
-            let drawn = fine.increments.normals(process, step)?;
+            let drawn = fine.paths.increments.normals(process, step)?;
             if step % 2 == 1 {
-                coarse.increments.drive(process, step / 2, (*first + drawn) * FRAC_1_SQRT_2);
+                coarse.paths.increments.drive(process, step / 2, (*first + drawn) * FRAC_1_SQRT_2);
             } else {
                 *first = drawn;
             }
@@ -105,9 +105,9 @@ fn end_of<'j, H: Discretized<E>, E, T: StepPaths<'j, H, E, L>, const L: usize>(
     group: &mut Group<'j, '_, H, E, T, L>,
     lane: usize,
 ) -> Result<f64, LevelError> {
-    let (job, path) = (group.job, group.lanes.number(lane));
+    let (job, path) = (group.job, group.paths.lanes.number(lane));
     let failed = |cause| Err(LevelError { level: job.level, path, h: job.grid.h, cause });
-    if let Some(failure) = group.lanes.failure_of(path) {
+    if let Some(failure) = group.paths.lanes.failure_of(path) {
         return failed(LevelFailure::Step(failure.error));
     }
     let value =

@@ -2,7 +2,7 @@
 //! alone.
 
 use super::paths::LanePaths;
-use super::steps::{GroupStep, NotTaken, RefusedPath, StepPaths};
+use super::steps::{DrivenPaths, NotTaken, RefusedPath, StepPaths};
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, copy_state};
 use crate::algebra::state_sum::PlainSum;
@@ -89,40 +89,52 @@ where
     /// # Errors
     /// If the run cannot go on.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn step(&mut self, mut step: GroupStep<'_, 'j, L>) -> Result<(), Error> {
-        let is_measured = const { keeps_energy::<H, E>() } && step.number == self.motions.next;
+    pub(super) fn step(&mut self, number: u64, paths: &mut DrivenPaths<'j, L>) -> Result<(), Error> {
+        let is_measured = const { keeps_energy::<H, E>() } && number == self.motions.next;
         if is_measured {
             self.begin_motion();
         }
-        match self.inner.step(step.lend()) {
+        match self.inner.step(number, paths) {
             Ok(()) => {}
-            Err(NotTaken::Paths(refused)) => self.halve_or_fail(refused, step.lend())?,
-            Err(NotTaken::Run(error)) => return Err(error),
+            Err(error) => self.halve_or_fail(*error, number, paths)?,
         }
         if is_measured {
-            self.end_motion(step.number);
+            self.end_motion(number);
         }
         Ok(())
     }
 
-    /// The step of these paths again, in halves, if that is allowed; a path fails if it is not, or does not
-    /// help.
+    /// The step of the refused paths again, in halves, if that is allowed; a path fails if it is not, or does
+    /// not help.
     ///
     /// # Errors
-    /// The error of a noise that has no increments.
+    /// If the run cannot go on: the error of a noise that has no increments, among others.
     #[cold]
     #[inline(never)]
-    fn halve_or_fail(&mut self, refused: Vec<RefusedPath>, step: GroupStep<'_, 'j, L>) -> Result<(), Error> {
+    fn halve_or_fail(
+        &mut self,
+        error: NotTaken,
+        number: u64,
+        paths: &mut DrivenPaths<'j, L>,
+    ) -> Result<(), Error> {
+        let refused = match error {
+            NotTaken::Paths(refused) => refused,
+            NotTaken::Run(error) => return Err(error),
+        };
         for RefusedPath { lane, error } in refused {
-            let may_halve = self.job.retry.most() > 0 && is_curable(error.cause) && step.lanes.is_path(lane);
-            match if may_halve { self.halve(lane, &step) } else { Err(error.into()) } {
+            let may_halve = self.job.retry.most() > 0 && is_curable(error.cause) && paths.lanes.is_path(lane);
+            match if may_halve {
+                self.halve(lane, paths.lanes.number(lane), number)
+            } else {
+                Err(error.into())
+            } {
                 Ok(State { q, p, .. }) => {
                     self.inner.put(lane, &q, &p);
-                    self.inner.forget(lane, step.number + 1)?;
+                    self.inner.forget(lane, number + 1)?;
                 }
-                Err(Error::Step(error)) => self.fail(lane, error, step.lanes),
+                Err(Error::Step(error)) => self.fail(lane, error, &mut paths.lanes),
                 // A step that is too short to be prepared: the path ends with what made it necessary.
-                Err(Error::Config(_)) => self.fail(lane, error, step.lanes),
+                Err(Error::Config(_)) => self.fail(lane, error, &mut paths.lanes),
                 Err(error) => return Err(error),
             }
         }
@@ -130,15 +142,15 @@ where
     }
 
     /// The end of the step of a path in halves.
-    fn halve(&mut self, lane: usize, step: &GroupStep<'_, 'j, L>) -> Result<State<H::Vector>, Error> {
+    fn halve(&mut self, lane: usize, path: u64, number: u64) -> Result<State<H::Vector>, Error> {
         let Self { job, inner, size, subdivision, halved, motions, dw } = self;
-        let (path, mut state) = (step.lanes.number(lane), inner.state_at(lane, step.t).clone());
+        let mut state = inner.state_at(lane, job.grid.time(number)).clone();
         let motion = motions.so_far.get(lane).and_then(|motion| motion.mean());
         let mut noise = (!dw.is_empty()).then(|| job.source.path(path));
-        let interval = Interval { step: step.number, ..job.grid.first() };
+        let interval = Interval { step: number, ..job.grid.first() };
         let of_lane = StepToTake { state: &mut state, interval, noise: &mut noise.as_deref_mut(), dw };
         let info = subdivision_of(subdivision, job, path, *size)?.subdivide(of_lane, 1, motion)?;
-        halved[lane] = Some((step.number, info.halvings));
+        halved[lane] = Some((number, info.halvings));
         Ok(state)
     }
 

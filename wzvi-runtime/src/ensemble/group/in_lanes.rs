@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 
 use super::memories::{LaneMemories, other_memory};
 use super::paths::LanePaths;
-use super::steps::{GroupStep, NotTaken, RefusedPath, StepPaths};
+use super::steps::{DrivenPaths, NotTaken, RefusedPath, StepPaths};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::{MemoryRequest, StepMemory};
 use crate::algebra::scalar::Scalar;
@@ -124,33 +124,33 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
     /// # Errors
     /// [`NotTaken`]
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance(&mut self, mut step: GroupStep<'_, 'j, L>) -> Result<(), NotTaken> {
-        if step.lanes.any_failed() && !self.mirror(step.lend())? {
+    fn advance(&mut self, number: u64, paths: &mut DrivenPaths<'j, L>) -> Result<(), Box<NotTaken>> {
+        if paths.lanes.any_failed() && !self.mirror(number, paths)? {
             return Ok(());
         }
-        if self.memories.are_split() && !step.lanes.living().is_some_and(|lanes| self.memories.join(lanes)) {
-            return self.step_by_lane(None, step);
+        if self.memories.are_split() && !paths.lanes.living().is_some_and(|lanes| self.memories.join(lanes)) {
+            return self.step_by_lane(None, number, paths);
         }
         let Self { job, size, prepared, own, q, p, memories, .. } = self;
-        let dw = step.increments.of(step.number);
-        let at = StepArguments { t: step.t, h: *size, q: &mut q[..], p: &mut p[..], dw };
+        let (t, dw) = (job.grid.time(number), paths.increments.of(number));
+        let at = StepArguments { t, h: *size, q: &mut q[..], p: &mut p[..], dw };
         let (gathered, memory) = (own.gathered.as_ref(), &mut memories.joint);
         match advance::<H, E, P, L>(job.systems.common, prepared, gathered, at, memory) {
             Ok(_) => Ok(()),
-            Err(StepFailure::Lanes(failed)) => self.step_by_lane(Some(failed), step),
-            Err(_) => self.step_by_lane(None, step),
+            Err(StepFailure::Lanes(failed)) => self.step_by_lane(Some(failed), number, paths),
+            Err(_) => self.step_by_lane(None, number, paths),
         }
     }
 
     /// Lanes whose path has failed follow the first that has one; `false` if none has.
     #[cold]
     #[inline(never)]
-    fn mirror(&mut self, step: GroupStep<'_, '_, L>) -> Result<bool, InternalError> {
-        let Some(lanes) = step.lanes.living() else { return Ok(false) };
+    fn mirror(&mut self, number: u64, paths: &mut DrivenPaths<'_, L>) -> Result<bool, InternalError> {
+        let Some(lanes) = paths.lanes.living() else { return Ok(false) };
         if const { P::ARE_OWN } && self.own.lanes != Some(lanes) {
             self.gather(lanes)?;
         }
-        let dw = step.increments.of_mut(step.number);
+        let dw = paths.increments.of_mut(number);
         for x in self.q.iter_mut().chain(&mut self.p).chain(dw) {
             let old = x.to_array();
             *x = Lanes::new(lanes.map(|lane| old[lane]));
@@ -164,17 +164,18 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
     fn step_by_lane(
         &mut self,
         lanes: Option<FailedLanes>,
-        step: GroupStep<'_, '_, L>,
-    ) -> Result<(), NotTaken> {
+        number: u64,
+        paths: &mut DrivenPaths<'_, L>,
+    ) -> Result<(), Box<NotTaken>> {
         self.memories.split::<L>()?;
         let mut refused = Vec::new();
         for lane in 0..L {
-            if !step.lanes.has_failed(lane) && lanes.is_none_or(|lanes| lanes.has(lane)) {
+            if !paths.lanes.has_failed(lane) && lanes.is_none_or(|lanes| lanes.has(lane)) {
                 let mut memory = std::mem::take(self.memories.of(lane));
-                let taken = self.step_lane(lane, &step, &mut memory);
+                let taken = self.step_lane(lane, number, paths, &mut memory);
                 *self.memories.of(lane) = memory;
                 if let Err(error) = taken {
-                    self.guides.lose(lane, step.number);
+                    self.guides.lose(lane, number);
                     refused.push(RefusedPath { lane, error: step_error(error)? });
                 }
             }
@@ -186,18 +187,25 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
     fn step_lane(
         &mut self,
         lane: usize,
-        step: &GroupStep<'_, '_, L>,
+        number: u64,
+        paths: &DrivenPaths<'_, L>,
         memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
         let [mut q, mut p, mut dw] = std::mem::take(&mut self.scalar);
-        let lists = [(&mut q, &*self.q), (&mut p, &*self.p), (&mut dw, step.increments.of(step.number))];
+        let lists = [(&mut q, &*self.q), (&mut p, &*self.p), (&mut dw, paths.increments.of(number))];
         for (single, all) in lists {
             single.clear();
             single.extend(all.iter().map(|x| Lanes::new([x[lane]])));
         }
-        let (system, prepared) = self.system_of(lane, step.lanes.source(lane));
+        let (system, prepared) = self.system_of(lane, paths.lanes.source(lane));
         let gathered = if const { P::ARE_OWN } { SchemeOf::<H, E>::gather([&prepared]) } else { None };
-        let at = StepArguments { t: step.t, h: self.size, q: &mut q[..], p: &mut p[..], dw: &dw };
+        let at = StepArguments {
+            t: self.job.grid.time(number),
+            h: self.size,
+            q: &mut q[..],
+            p: &mut p[..],
+            dw: &dw,
+        };
         let outcome = advance::<H, E, P, 1>(system, &prepared, gathered.as_ref(), at, memory);
         if outcome.is_ok() {
             for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
@@ -208,9 +216,9 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
         match outcome {
             Ok(_) => Ok(()),
             Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => {
-                self.step_with_care(lane, step, cause, memory)
+                self.step_with_care(lane, number, paths, cause, memory)
             }
-            Err(cause) => Err(self.failed(step, cause).into()),
+            Err(cause) => Err(self.failed(number, cause).into()),
         }
     }
 
@@ -218,21 +226,22 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
     fn step_with_care(
         &mut self,
         lane: usize,
-        step: &GroupStep<'_, '_, L>,
+        number: u64,
+        paths: &DrivenPaths<'_, L>,
         cause: StepFailure,
         memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
-        let (system, prepared) = self.system_of(lane, step.lanes.source(lane));
-        let State { q, p, t } = self.state_at(lane, step.t).clone();
+        let (system, prepared) = self.system_of(lane, paths.lanes.source(lane));
+        let State { q, p, t } = self.state_at(lane, self.job.grid.time(number)).clone();
         let mut dw = Vec::new();
-        let dw = ShortOrLong::of(step.increments.of_lane(lane, step.number, &mut dw));
+        let dw = ShortOrLong::of(paths.increments.of_lane(lane, number, &mut dw));
         let hard = HardStep { system, prepared, t, h: self.size, q, p, dw, carry: PlainSum };
-        let mut solved = solve_by_continuation(hard, cause).map_err(|cause| self.failed(step, cause))?;
-        Ok(self.put_hard(lane, step.number, &mut solved, memory)?)
+        let mut solved = solve_by_continuation(hard, cause).map_err(|cause| self.failed(number, cause))?;
+        Ok(self.put_hard(lane, number, &mut solved, memory)?)
     }
 
-    fn failed(&self, step: &GroupStep<'_, '_, L>, cause: StepFailure) -> StepError {
-        StepError { step: step.number, t: step.t, h: self.size, cause }
+    fn failed(&self, number: u64, cause: StepFailure) -> StepError {
+        StepError { step: number, t: self.job.grid.time(number), h: self.size, cause }
     }
 
     /// Stores the end of a hard step of a lane, and the memory that it leaves.
@@ -270,33 +279,36 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
     #[inline(never)]
     fn check_starts(
         &mut self,
-        step: GroupStep<'_, '_, L>,
-        taken: Result<(), NotTaken>,
-    ) -> Result<(), NotTaken> {
+        number: u64,
+        paths: &DrivenPaths<'_, L>,
+        taken: Result<(), Box<NotTaken>>,
+    ) -> Result<(), Box<NotTaken>> {
         let mut refused = match taken {
             Ok(()) => Vec::new(),
-            Err(NotTaken::Paths(refused)) => refused,
-            Err(error) => return Err(error),
+            Err(error) => match *error {
+                NotTaken::Paths(refused) => refused,
+                error => return Err(error.into()),
+            },
         };
         let starts = std::mem::take(&mut self.guides.starts);
         for (lane, start) in starts.iter().enumerate() {
             // A careful solution has been checked, and a path that was refused is where it was.
-            if self.guides.unguided[lane] != step.number || step.lanes.has_failed(lane) {
+            if self.guides.unguided[lane] != number || paths.lanes.has_failed(lane) {
                 continue;
             }
             let end = self.state(lane).clone();
-            let Some(other) = self.check_start(lane, &step, start, &end).transpose() else { continue };
+            let Some(other) = self.check_start(lane, paths, start, &end).transpose() else { continue };
             self.memories.split::<L>()?;
             match other {
                 Ok(mut solved) => {
                     let mut memory = std::mem::take(self.memories.of(lane));
-                    let put = self.put_hard(lane, step.number, &mut solved, &mut memory);
+                    let put = self.put_hard(lane, number, &mut solved, &mut memory);
                     *self.memories.of(lane) = memory;
                     put?;
                 }
                 Err(cause) => {
                     self.put(lane, &start.q, &start.p);
-                    refused.push(RefusedPath { lane, error: self.failed(&step, cause) });
+                    refused.push(RefusedPath { lane, error: self.failed(number, cause) });
                 }
             }
         }
@@ -308,14 +320,14 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
     fn check_start(
         &mut self,
         lane: usize,
-        step: &GroupStep<'_, '_, L>,
+        paths: &DrivenPaths<'_, L>,
         start: &State<H::Vector>,
         end: &State<H::Vector>,
     ) -> Result<Option<ContinuedStep<H, E, PlainSum>>, StepFailure> {
         let (mut hard, mut room) = match self.guides.checked.take() {
             Some((hard, room)) if !P::ARE_OWN => (hard, room),
             _ => {
-                let (system, prepared) = self.system_of(lane, step.lanes.source(lane));
+                let (system, prepared) = self.system_of(lane, paths.lanes.source(lane));
                 let State { q, p, t } = start.clone();
                 let dw = ShortOrLong::of(&[]);
                 let hard = HardStep { system, prepared, t, h: self.size, q, p, dw, carry: PlainSum };
@@ -370,13 +382,13 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> StepPaths<'j, H, E, L
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step(&mut self, mut step: GroupStep<'_, 'j, L>) -> Result<(), NotTaken> {
-        let is_unguided = const { checks_starts::<H, E>() } && step.number == self.guides.next;
+    fn step(&mut self, number: u64, paths: &mut DrivenPaths<'j, L>) -> Result<(), Box<NotTaken>> {
+        let is_unguided = const { checks_starts::<H, E>() } && number == self.guides.next;
         if is_unguided {
-            self.keep_starts(step.t);
+            self.keep_starts(self.job.grid.time(number));
         }
-        match self.advance(step.lend()) {
-            taken if is_unguided => self.check_starts(step, taken),
+        match self.advance(number, paths) {
+            taken if is_unguided => self.check_starts(number, paths, taken),
             taken => taken,
         }
     }

@@ -30,11 +30,11 @@ pub(in crate::ensemble) trait StepPaths<'j, H: Discretized<E>, E, const L: usize
         Ok(())
     }
 
-    /// Takes a step of all paths that have not failed.
+    /// Takes the step with this number, whose increments have been drawn, of all paths that have not failed.
     ///
     /// # Errors
     /// [`NotTaken`]
-    fn step(&mut self, step: GroupStep<'_, 'j, L>) -> Result<(), NotTaken>;
+    fn step(&mut self, number: u64, paths: &mut DrivenPaths<'j, L>) -> Result<(), Box<NotTaken>>;
 
     /// The state of a lane; its time is not set.
     fn state(&mut self, lane: usize) -> &mut State<H::Vector>;
@@ -52,24 +52,10 @@ pub(in crate::ensemble) trait StepPaths<'j, H: Discretized<E>, E, const L: usize
     }
 }
 
-/// A step that all paths of a group take.
-pub(in crate::ensemble) struct GroupStep<'s, 'j, const L: usize> {
-    pub(super) number: u64,
-    /// When it begins.
-    pub(super) t: f64,
-    /// The increments of this step have been drawn.
-    pub(super) increments: &'s mut LaneIncrements<'j, L>,
-    pub(super) lanes: &'s mut LanePaths<L>,
-}
-
-impl<'j, const L: usize> GroupStep<'_, 'j, L> {
-    /// A copy of the references for another function: a value whose address is passed does not stay in
-    /// registers.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn lend(&mut self) -> GroupStep<'_, 'j, L> {
-        let Self { number, t, increments, lanes } = self;
-        GroupStep { number: *number, t: *t, increments, lanes }
-    }
+/// The paths of a group, and what drives them.
+pub(in crate::ensemble) struct DrivenPaths<'j, const L: usize> {
+    pub(in crate::ensemble) lanes: LanePaths<L>,
+    pub(super) increments: LaneIncrements<'j, L>,
 }
 
 /// A path that cannot take a step, and is where it was.
@@ -78,7 +64,8 @@ pub(in crate::ensemble) struct RefusedPath {
     pub(super) error: StepError,
 }
 
-/// Why paths have not taken a step.
+/// Why paths have not taken a step. It is returned in a box: a result that fits into a register costs nothing
+/// where it is passed on.
 pub(in crate::ensemble) enum NotTaken {
     /// Some paths have not, each for a reason of its own; all others have.
     Paths(Vec<RefusedPath>),
@@ -89,19 +76,19 @@ pub(in crate::ensemble) enum NotTaken {
 impl NotTaken {
     /// # Errors
     /// The refusal by these paths, if there are any.
-    pub(super) fn by(refused: Vec<RefusedPath>) -> Result<(), Self> {
-        if refused.is_empty() { Ok(()) } else { Err(Self::Paths(refused)) }
+    pub(super) fn by(refused: Vec<RefusedPath>) -> Result<(), Box<Self>> {
+        if refused.is_empty() { Ok(()) } else { Err(Self::Paths(refused).into()) }
     }
 }
 
-impl From<Error> for NotTaken {
+impl From<Error> for Box<NotTaken> {
     fn from(error: Error) -> Self {
-        Self::Run(error)
+        NotTaken::Run(error).into()
     }
 }
 
-impl From<InternalError> for NotTaken {
+impl From<InternalError> for Box<NotTaken> {
     fn from(error: InternalError) -> Self {
-        Self::Run(error.into())
+        NotTaken::Run(error.into()).into()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::halving::Halving;
 use super::paths::LanePaths;
-use super::steps::{GroupStep, StepPaths};
+use super::steps::{DrivenPaths, StepPaths};
 use crate::ensemble::job::EnsembleJob;
 use crate::error::StepError;
 use crate::scheme::system::Discretized;
@@ -54,16 +54,16 @@ where
     /// # Errors
     /// If the run cannot go on.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn step(&mut self, mut step: GroupStep<'_, 'j, L>) -> Result<(), Error> {
-        if const { keeps_energy::<H, E>() } && step.number == self.next {
-            self.begin_test(step.lend());
+    pub(super) fn step(&mut self, number: u64, paths: &mut DrivenPaths<'j, L>) -> Result<(), Error> {
+        if const { keeps_energy::<H, E>() } && number == self.next {
+            self.begin_test(number, &paths.lanes);
         }
-        self.halving.step(step.lend())?;
+        self.halving.step(number, paths)?;
         if const { keeps_energy::<H, E>() } && !self.tested.is_empty() {
-            self.end_test(step.lend());
+            self.end_test(number, &mut paths.lanes);
         }
-        if const { keeps_energy::<H, E>() } && step.number + 1 == self.job.grid.steps {
-            self.arrive(step);
+        if const { keeps_energy::<H, E>() } && number + 1 == self.job.grid.steps {
+            self.arrive(number, &mut paths.lanes);
         }
         Ok(())
     }
@@ -71,57 +71,58 @@ where
     /// Before a step that is tested.
     #[cold]
     #[inline(never)]
-    fn begin_test(&mut self, step: GroupStep<'_, 'j, L>) {
+    fn begin_test(&mut self, number: u64, lanes: &LanePaths<L>) {
         let Self { job, halving, monitors, tested, .. } = self;
         for (lane, monitor) in monitors.iter_mut().enumerate() {
-            if step.lanes.goes_on(lane) && monitor.looks_at(step.number) {
-                let (system, state) =
-                    (job.systems.of(step.lanes.number(lane)), halving.inner.state_at(lane, step.t));
+            if lanes.goes_on(lane) && monitor.looks_at(number) {
+                let system = job.systems.of(lanes.number(lane));
+                let state = halving.inner.state_at(lane, job.grid.time(number));
                 tested.push((lane, monitor.begin::<H, E>(system, job.grid.h, state)));
             }
         }
         if self.tested.is_empty() {
             // The test was due in a lane whose path has failed since.
-            self.find_next(step.lanes);
+            self.find_next(lanes);
         }
     }
 
     /// After it: a path whose energy has changed for good ends.
     #[cold]
     #[inline(never)]
-    fn end_test(&mut self, step: GroupStep<'_, 'j, L>) {
-        let end = self.job.grid.time(step.number + 1);
+    fn end_test(&mut self, number: u64, lanes: &mut LanePaths<L>) {
+        let end = self.job.grid.time(number + 1);
         let mut tested = std::mem::take(&mut self.tested);
         for (lane, room) in tested.drain(..) {
             let Self { job, halving, monitors, .. } = self;
-            let system = job.systems.of(step.lanes.number(lane));
+            let system = job.systems.of(lanes.number(lane));
             let state = halving.inner.state_at(lane, end);
-            let kept = monitors[lane].end::<H, E>(room, system, job.grid.h, state, step.number);
+            let kept = monitors[lane].end::<H, E>(room, system, job.grid.h, state, number);
             if let Err(error) = kept
-                && !step.lanes.has_failed(lane)
+                && !lanes.has_failed(lane)
             {
-                self.halving.fail(lane, error, step.lanes);
+                self.halving.fail(lane, error, lanes);
             }
         }
         self.tested = tested;
-        self.find_next(step.lanes);
+        self.find_next(lanes);
     }
 
     /// At the end of the paths, after this step: their energy is a number.
     #[cold]
     #[inline(never)]
-    fn arrive(&mut self, step: GroupStep<'_, 'j, L>) {
-        let end = self.job.grid.time(step.number + 1);
+    fn arrive(&mut self, number: u64, lanes: &mut LanePaths<L>) {
+        let end = self.job.grid.time(number + 1);
         for lane in 0..self.monitors.len() {
-            if !step.lanes.goes_on(lane) {
+            if !lanes.goes_on(lane) {
                 continue;
             }
             let Self { job, halving, monitors, .. } = self;
-            let system = job.systems.of(step.lanes.number(lane));
+            let system = job.systems.of(lanes.number(lane));
             let arrived = monitors[lane].arrive::<H, E>(system, halving.inner.state_at(lane, end));
             if let Err(cause) = arrived {
-                let error = StepError { step: step.number, t: step.t, h: self.halving.size(), cause };
-                self.halving.fail(lane, error, step.lanes);
+                let error =
+                    StepError { step: number, t: self.job.grid.time(number), h: self.halving.size(), cause };
+                self.halving.fail(lane, error, lanes);
             }
         }
     }
