@@ -79,7 +79,7 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
         for (i, number) in list.iter_mut().enumerate() {
             *number = self.get(i);
         }
-        in_pairs(list, |a, b| a + b)
+        in_pairs::<_, Added, N>(list)
     }
 }
 
@@ -95,46 +95,86 @@ pub fn minus<T: Stages<S, N>, S: Scalar, const N: usize>(mut a: T, b: T) -> T {
     a
 }
 
+/// Joins two numbers to one. A closure, which is called for each pair, would be compiled for the baseline.
+trait Join<T> {
+    fn join(a: T, b: T) -> T;
+}
+
+/// `a + b`
+struct Added;
+
+impl<S: Scalar> Join<S> for Added {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn join(a: S, b: S) -> S {
+        a + b
+    }
+}
+
+/// The larger one of two numbers.
+struct Larger;
+
+impl Join<f64> for Larger {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn join(a: f64, b: f64) -> f64 {
+        if a > b { a } else { b }
+    }
+}
+
 /// All of a list as one, in pairs, so that few operations wait for one another.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T) -> T {
+fn in_pairs<T: Copy, J: Join<T>, const N: usize>(mut list: [T; N]) -> T {
     let mut length = N;
     while length > 1 {
         let half = length / 2;
         for i in 0..half {
-            list[i] = join(list[i], list[i + length - half]);
+            list[i] = J::join(list[i], list[i + length - half]);
         }
         length -= half;
     }
     list[0]
 }
 
+/// `matrix[j][i] numbers[j]`. A closure, which is called in many places, would be compiled for the baseline.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn term<S: Scalar, const N: usize>(numbers: &[S; N], matrix: &[[f64; N]; N], i: usize, j: usize) -> S {
+    numbers[j] * matrix[j][i]
+}
+
 /// `Σ_j matrix[j][i] numbers[j]` in four sums, so that few additions wait for one another. They have names:
 /// arrays would be in memory.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn row<S: Scalar, const N: usize>(numbers: &[S; N], matrix: &[[f64; N]; N], i: usize) -> S {
-    let term = |j: usize| numbers[j] * matrix[j][i];
     match N {
-        1 => return term(0),
-        2 => return term(0) + term(1),
-        3 => return term(0) + term(1) + term(2),
+        1 => return term(numbers, matrix, i, 0),
+        2 => return term(numbers, matrix, i, 0) + term(numbers, matrix, i, 1),
+        3 => return term(numbers, matrix, i, 0) + term(numbers, matrix, i, 1) + term(numbers, matrix, i, 2),
         _ => {}
     }
-    let (mut a, mut b, mut c, mut d) = (term(0), term(1), term(2), term(3));
+    let (mut a, mut b, mut c, mut d) = (
+        term(numbers, matrix, i, 0),
+        term(numbers, matrix, i, 1),
+        term(numbers, matrix, i, 2),
+        term(numbers, matrix, i, 3),
+    );
     // Four at a time: a choice of the sum in each term would prevent unrolling.
     let mut j = 4;
     while j + 4 <= N {
-        (a, b, c, d) = (a + term(j), b + term(j + 1), c + term(j + 2), d + term(j + 3));
+        (a, b, c, d) = (
+            a + term(numbers, matrix, i, j),
+            b + term(numbers, matrix, i, j + 1),
+            c + term(numbers, matrix, i, j + 2),
+            d + term(numbers, matrix, i, j + 3),
+        );
         j += 4;
     }
     if j < N {
-        a = a + term(j);
+        a = a + term(numbers, matrix, i, j);
     }
     if j + 1 < N {
-        b = b + term(j + 1);
+        b = b + term(numbers, matrix, i, j + 1);
     }
     if j + 2 < N {
-        c = c + term(j + 2);
+        c = c + term(numbers, matrix, i, j + 2);
     }
     (a + b) + (c + d)
 }
@@ -175,7 +215,7 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
     /// By one instruction for several pairs, in every set of instructions, unlike the maximum of integers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn largest(numbers: Self) -> f64 {
-        in_pairs(numbers.to_array(), |a, b| if a > b { a } else { b })
+        in_pairs::<_, Larger, N>(numbers.to_array())
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts<'a>(list: &'a [Self], _part: usize, _room: &'a mut [Self]) -> &'a [Self] {

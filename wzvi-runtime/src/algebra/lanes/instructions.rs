@@ -75,7 +75,10 @@ impl InstructionSet {
 /// other instructions would not reach the inner loops, and the work is compiled for the baseline only.
 ///
 /// Closures cannot have that attribute. One that is called in a single place is inlined anyway, and so
-/// compiled for the same instructions. This is why each instruction set has a width of its own.
+/// compiled for the same instructions. This is why each instruction set has a width of its own. Where a
+/// closure would be called in several places, a function or a method of a trait takes its place. `map` and
+/// `from_fn` of arrays and folds over `a..=b` call theirs in several places. `.ci/instructions` finds those
+/// that were left.
 pub trait Kernel {
     /// The result.
     type Output;

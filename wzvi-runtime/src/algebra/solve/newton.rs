@@ -258,7 +258,14 @@ fn corrected<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     residual: &[S; N],
 ) -> ([S; N], S::Mask) {
     match N {
-        1 => (residual.map(|r| r / jacobian[0][0]), S::Mask::from_bool(true)),
+        1 => {
+            // The function that `map` takes would be compiled for the baseline.
+            let mut correction = *residual;
+            for r in &mut correction {
+                *r = *r / jacobian[0][0];
+            }
+            (correction, S::Mask::from_bool(true))
+        }
         2 => solve_pair::<S, N, SYMMETRIC>(jacobian, residual),
         _ => (factored::<S, N, SYMMETRIC>(jacobian, residual), S::Mask::from_bool(true)),
     }

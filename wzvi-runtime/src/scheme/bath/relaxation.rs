@@ -240,7 +240,11 @@ impl<S: Scalar> Momenta<'_, S> {
     where
         S: Mul<T, Output = S>,
     {
-        (0..=i).fold(number, |sum, j| sum + of_normal(self.normals, j) * row[j])
+        let mut sum = number;
+        for (j, entry) in row[..=i].iter().enumerate() {
+            sum = sum + of_normal(self.normals, j) * *entry;
+        }
+        sum
     }
 
     /// `p <- E p + R ξ` by degree of freedom, with compensation, and `q` by a drift before and one after if

@@ -8,7 +8,6 @@ use super::modes::Decay;
 use super::part::{self, BathLaw, OPartShares, OParts, normals};
 use super::{Damped, with_bath};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state_sum::StateSum;
@@ -104,44 +103,45 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for ThermostatSteps<E> {
         let noises = SchemeOf::<T, E>::increments(system, degrees);
         let size = ([t, h], SHARES, degrees);
         let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
-        let (effort, heat) = between(&mut parts, [q, p], kept, carry, |[q, p], memory, carry| {
-            let at = StepArguments { t, h, q, p, dw: &dw[..noises] };
-            SchemeOf::<T, E>::advance::<K, S, C, CAREFUL>(system, &prepared.step, at, memory, carry)
-        })?;
-        bath.heat = heat;
-        Ok(effort)
+        kept.save(q, p, carry);
+        let at = StepArguments { t, h, q: &mut *q, p: &mut *p, dw: &dw[..noises] };
+        match between::<T, E, K, S, C, CAREFUL>(system, &prepared.step, &mut parts, at, kept, carry) {
+            Ok((effort, heat, failed)) if failed.is_empty() => {
+                bath.heat = heat;
+                Ok(effort)
+            }
+            Ok((_, _, failed)) => Err(kept.end_in_part(failed, q, p, carry)),
+            Err(failure) => {
+                kept.restore(q, p, carry);
+                Err(failure)
+            }
+        }
     }
 }
 
-/// A step between its O parts; returns the heat of both. A step that fails changes
-/// nothing.
+/// A step between its O parts, the heat of both, and the lanes that it failed in.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn between<T: Elements, K: Constant, S: ComputesWith<K>, C: StateSum<S>, M: StepMemory>(
+fn between<T, E, K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
+    system: &T,
+    prepared: &PreparedOf<T, E, K>,
     parts: &mut OParts<'_, T, K, S>,
-    [q, p]: [&mut [S]; 2],
-    kept: &mut memory::CompositionMemory<S, M>,
+    StepArguments { t, h, q, p, dw }: StepArguments<'_, S, K>,
+    kept: &mut memory::CompositionMemory<S, MemoryOf<T, E, S>>,
     carry: &mut C,
-    step: impl FnOnce([&mut [S]; 2], &mut M, &mut C) -> Result<Effort, StepFailure>,
-) -> Result<(Effort, S), StepFailure> {
-    kept.save(q, p, carry);
-    let all = |kept: &mut memory::CompositionMemory<S, M>, carry: &mut C| {
-        let before = relax(parts, 0, q, p, &mut kept.carried, carry)?;
-        let (effort, failed) = match step([&mut *q, &mut *p], &mut kept.parts, carry) {
-            Ok(effort) => (effort, FailedLanes::default()),
-            Err(StepFailure::Lanes(failed)) => (Effort::fast(0), failed),
-            Err(failure) => return Err(failure),
-        };
-        let after = relax(parts, 1, q, p, &mut kept.carried, carry)?;
-        if are_finite(p) { Ok((effort, before + after, failed)) } else { Err(StepFailure::NonFinite) }
+) -> Result<(Effort, S, FailedLanes), StepFailure>
+where
+    T: Elements + Discretized<E>,
+{
+    let before = relax(parts, 0, q, p, &mut kept.carried, carry)?;
+    let at = StepArguments { t, h, q: &mut *q, p: &mut *p, dw };
+    let taken = SchemeOf::<T, E>::advance::<K, S, C, CAREFUL>(system, prepared, at, &mut kept.parts, carry);
+    let (effort, failed) = match taken {
+        Ok(effort) => (effort, FailedLanes::default()),
+        Err(StepFailure::Lanes(failed)) => (Effort::fast(0), failed),
+        Err(failure) => return Err(failure),
     };
-    match all(kept, carry) {
-        Ok((effort, heat, failed)) if failed.is_empty() => Ok((effort, heat)),
-        Ok((_, _, failed)) => Err(kept.end_in_part(failed, q, p, carry)),
-        Err(failure) => {
-            kept.restore(q, p, carry);
-            Err(failure)
-        }
-    }
+    let after = relax(parts, 1, q, p, &mut kept.carried, carry)?;
+    if are_finite(p) { Ok((effort, before + after, failed)) } else { Err(StepFailure::NonFinite) }
 }
 
 /// Applies an O part to a state, with compensation.
