@@ -2,7 +2,8 @@
 //! ensembles, on threads, stopped and resumed.
 //!
 //! `data/bits.txt` has a checksum of each. A change that alters one says why in its message: `BITS=overwrite cargo test --workspace --test bits` renews the
-//! table. The Hamiltonians are made of arithmetic and roots, which have the same bits on every machine.
+//! table. The bits are the same on every machine. Paths of systems with all elementary functions are in `fixtures/portable.rs`; `tests/wasm/test` compares
+//! those in WebAssembly.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, reason = "test systems")]
@@ -340,6 +341,7 @@ fn every_run_has_the_bits_of_the_table() {
     small_steps(&mut table);
     steps_of_any_size(&mut table);
     whole_runs(&mut table);
+    table.0.extend(fixtures::portable::rows());
     let (file, text) = (concat!(env!("CARGO_MANIFEST_DIR"), "/data/bits.txt"), table.0.join("\n") + "\n");
     if std::env::var_os("BITS").is_some_and(|value| value == "overwrite") {
         std::fs::write(file, &text).unwrap();

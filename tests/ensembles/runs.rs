@@ -153,7 +153,7 @@ fn given_numbers_and_seeds_drive_an_ensemble() {
     assert!(antithetic == run().seed(7).antithetic().paths(36).run().unwrap());
 }
 
-/// A path alone is the path of the ensemble, to the last bit, also with functions that are not those of `std`, and it ends with the same error.
+/// A path alone is the path of the ensemble, to the last bit, and it ends with the same error.
 #[test]
 fn a_path_is_replayed() {
     let coupled = Coupled { s: 0.4 };

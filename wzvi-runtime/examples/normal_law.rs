@@ -4,6 +4,10 @@
 //! `cargo run --release -p wzvi-runtime --example normal_law`
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first error")]
+#![allow(
+    clippy::disallowed_methods,
+    reason = "laws and errors are measured with the functions of the platform"
+)]
 
 #[path = "../tests/runtime/law.rs"]
 mod law;

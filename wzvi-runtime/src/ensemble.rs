@@ -9,9 +9,9 @@
 //! that of its time, `⌊t/h⌋`. They do not form a Wiener tree: another step size is another sample, except
 //! between the levels of [`Multilevel`]. [`Ensemble::noise`] takes any other noise.
 //!
-//! A path is that of [`Stepper::plain`](crate::trajectory::step::Stepper::plain) with the same increments.
-//! The bits are equal if `H` has only arithmetic and roots, since lanes have elementary functions of their
-//! own ([`crate::algebra::lanes`]). Hard steps are taken by the stepper, with the functions of `std`.
+//! A path is that of [`Stepper::plain`](crate::trajectory::step::Stepper::plain) with the same increments,
+//! bit for bit, on every machine: both have the same elementary functions ([`crate::algebra::lanes`]). Hard
+//! steps are taken by the stepper.
 //!
 //! A step that fails is halved if [`Ensemble::retry`] allows it. Otherwise its path ends there, with its
 //! number and error in [`Statistics::failures`], and the other paths continue. [`Ensemble::replay`] runs a
@@ -321,8 +321,7 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     /// [`Trajectory::heat`](crate::trajectory::recorded::Trajectory::heat) do for a single path. It is for
     /// systems with a bath, forces or friction. Where the temperatures of the degrees of freedom differ, it
     /// also observes the heat of each, `heat 0`, `heat 1`, ... Each path is then stepped by itself, which
-    /// takes the time of single paths; where the system has elementary functions, the last bits of paths may
-    /// differ from those without it. It excludes `retry` and times between nodes.
+    /// takes the time of single paths. It excludes `retry` and times between nodes.
     pub fn observe_work(mut self) -> Self {
         self.setup.more.wanted.has_work = true;
         self

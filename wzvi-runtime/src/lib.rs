@@ -19,6 +19,10 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(
+    test,
+    allow(clippy::disallowed_methods, reason = "tests compare with the functions of the platform")
+)]
+#![cfg_attr(
     not(all(feature = "ensemble", feature = "report")),
     allow(
         dead_code,
@@ -38,8 +42,10 @@ pub mod integrate;
 #[cfg(feature = "noise")]
 pub mod noise;
 #[cfg(feature = "svg")]
+#[allow(clippy::disallowed_methods, reason = "figures are of no bits")]
 pub mod plot;
 #[cfg(feature = "report")]
+#[allow(clippy::disallowed_methods, reason = "reports are of no bits")]
 pub mod report;
 pub mod saving;
 pub mod scheme;

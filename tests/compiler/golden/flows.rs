@@ -71,8 +71,8 @@ const _: () = {
         Knowledge, LiftParameter, Number, Option, Reals, SVector, Scalar, Scheme, Sized,
         Some, bool, f64, str, usize, compose::{Form, Nystrom, Parted, WholeOf},
         elements::{
-            CommonRange, ElementInput, Elements, EvaluationPoint, FieldAt, FullRange,
-            PairColumns, Partials, Sums,
+            CommonRange, ElementInput, Elements, EvaluationPoint, FieldAt, PairColumns,
+            Partials, Sums,
         },
         embedding::Verlet, gauss::{Field, Fixed},
     };
@@ -125,7 +125,6 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = FullRange;
         type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(

@@ -53,8 +53,8 @@ const _: () = {
         Scalar, Scheme, Sized, Solution, Solver, Some, StateSum, StepFailure, Straight,
         StraightLine, bool, f64, str, usize, bath::Friction, compose::General,
         elements::{
-            CommonRange, ElementInput, Elements, EvaluationPoint, FullRange,
-            MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
+            CommonRange, ElementInput, Elements, EvaluationPoint, MomentumUpdate,
+            Partials, Quadrature, QuadraturePoint, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -104,7 +104,6 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = FullRange;
         type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(

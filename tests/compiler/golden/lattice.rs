@@ -52,9 +52,9 @@ const _: () = {
         Ord, Scalar, Scheme, Sized, Some, Variables, f64, isize, str, usize,
         compose::General,
         elements::{
-            AdjacentSums, CommonRange, ElementInput, Elements, EvaluationPoint,
-            FullRange, InLoops, LEAST_IN_TILES, Loops, MomentumUpdate, Partials,
-            Quadrature, QuadraturePoint, Sums, Unknowns,
+            AdjacentSums, CommonRange, ElementInput, Elements, EvaluationPoint, InLoops,
+            LEAST_IN_TILES, Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint,
+            Sums, Unknowns,
         },
         embedding::DeltaPlus, gauss::Dynamic,
     };
@@ -150,7 +150,6 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = FullRange;
         type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(

@@ -50,9 +50,9 @@ const _: () = {
         Ord, Range, Scalar, Scheme, Sized, Some, f64, i128, isize, str, usize,
         compose::General,
         elements::{
-            AdjacentSums, CommonRange, ElementInput, Elements, EvaluationPoint,
-            FullRange, InLoops, Loops, MomentumUpdate, Pair, Partials, Placements,
-            Quadrature, QuadraturePoint, Sums, Unknowns,
+            AdjacentSums, CommonRange, ElementInput, Elements, EvaluationPoint, InLoops,
+            Loops, MomentumUpdate, Pair, Partials, Placements, Quadrature,
+            QuadraturePoint, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -226,7 +226,6 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = FullRange;
         type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(

@@ -150,7 +150,6 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = f64;
         type CommonRange = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(

@@ -47,8 +47,8 @@ const _: () = {
         Sized, Solution, Solver, StateSum, StepFailure, Straight, StraightLine, bool,
         f64, str, usize, compose::General,
         elements::{
-            CommonRange, ElementInput, Elements, EvaluationPoint, FullRange,
-            MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
+            CommonRange, ElementInput, Elements, EvaluationPoint, MomentumUpdate,
+            Partials, Quadrature, QuadraturePoint, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -78,7 +78,6 @@ const _: () = {
                 _ => S::from_f64(0.0),
             }
         }
-        type Exact = FullRange;
         type CommonRange = CommonRange;
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(

@@ -1,5 +1,6 @@
 //! What a lane does is what a stepper does: the same bits, and the same errors.
 
+use fixtures::portable::{Morse, Others, Powers, Rotors, Shaken, Swing, Warm, start};
 use fixtures::small::Kepler;
 use fixtures::stepped::{failed, hard, paths_are_steppers};
 use std::slice::from_ref;
@@ -44,7 +45,7 @@ fn as_steppers<H: Discretized<E> + Sync, E>(
     (hard(&paths), failed(&paths))
 }
 
-/// Without elementary functions, whose last bits differ, a lane does what a stepper does; where the short way fails, too.
+/// A lane does what a stepper does; where the short way fails, too.
 #[test]
 fn a_lane_is_the_path_of_a_stepper() {
     as_steppers::<_, Midpoint>(&KUBO, 0.1, &State::new([0.0], [1.0]), 20, 50);
@@ -62,6 +63,25 @@ fn a_lane_is_the_path_of_a_stepper() {
     let start = State::new([0.5, 0.3, 0.1], [0.2, -0.4, 1.0]);
     let (hard, failed) = as_steppers::<_, Midpoint>(&Mechanical { s: 2.0 }, 0.8, &start, 40, 40);
     assert!(hard > 20 && failed < 40, "{hard} {failed}");
+}
+
+/// The same with elementary functions, of the state, of time and of parameters, in every kind of step.
+#[test]
+fn a_lane_has_the_functions_of_a_stepper() {
+    macro_rules! of {
+        ($system:expr, $degrees:literal, $h:literal: $($scheme:ty),*) => {{
+            let (system, start) = ($system, start($degrees));
+            $(as_steppers::<_, $scheme>(&system, $h, &start, 4, 12);)*
+        }};
+    }
+    of!(Swing { a: 1.3 }, 1, 0.2: DeltaPlus, Midpoint, Verlet, Gauss<2>, Gauss<8>);
+    of!(Morse { a: 0.8 }, 1, 0.1: DeltaPlus, Midpoint, Verlet, Gauss<4>);
+    of!(Powers { a: 1.3 }, 2, 0.1: DeltaPlus, Midpoint, Verlet, Gauss<4>);
+    of!(Others, 1, 0.1: DeltaPlus, Midpoint, Gauss<4>);
+    of!(Warm { a: 0.7, gamma: 0.6, kt: -0.4 }, 1, 0.1: Baoab, Obabo, Thermostat<Midpoint>);
+    of!(Shaken { s: 0.4 }, 1, 0.1: Corrected<DeltaPlus>, Midpoint, Gauss<2>);
+    of!(Rotors, 9, 0.1: DeltaPlus, Midpoint, Verlet, Gauss<2>);
+    of!(Rotors, 270, 0.1: Midpoint, Verlet);
 }
 
 /// Double wells of a size that the state has: every site is solved for itself.
@@ -86,7 +106,7 @@ pub(crate) struct DoubleWells {
     noise = [|q, p, j| s * q[j] * q[j]; N],
     embedding = [DeltaPlus, Midpoint],
 )]
-pub(crate) struct Shaken<const N: usize> {
+pub(crate) struct Springs<const N: usize> {
     pub(crate) k: f64,
     pub(crate) s: f64,
 }
@@ -107,7 +127,7 @@ fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
         p: nalgebra::SVector::from_vec(wave(7, 1.1)),
         t: 0.0,
     };
-    let shaken = Shaken::<7> { k: 1.0, s: 0.5 };
+    let shaken = Springs::<7> { k: 1.0, s: 0.5 };
     as_steppers::<_, DeltaPlus>(&shaken, 0.05, &start, 10, 20);
     as_steppers::<_, Midpoint>(&shaken, 0.05, &start, 5, 20);
 }

@@ -33,7 +33,7 @@ where
     hard(&sweep_is_steppers::<E, H>(&list, &State::new([q], [p]), (self::H, STEPS), goes_in_lanes))
 }
 
-/// A pendulum: elementary functions in lanes differ from those of the platform in last bits.
+/// A pendulum.
 #[hamiltonian(
     drift = |q, p| 0.5 * p * p - q.cos(), friction = gamma, temperature = kt,
     embedding = [Baoab, Thermostat<Midpoint>],
@@ -60,6 +60,8 @@ fn a_path_without_friction_changes_none_beside_it() {
         for other in [run().run_in::<4>(), run().run_in::<8>(), run().run_in::<32>()] {
             assert_eq!(other.expect("a run").paths(), alone.paths());
         }
+        let list: Vec<Pendulum> = (0..24).map(system).collect();
+        sweep_is_steppers::<E, _>(&list, &State::new([1.0], [0.4]), (0.2, 50), true);
     }
     check::<Baoab>();
     check::<Thermostat<Midpoint>>();

@@ -190,9 +190,9 @@ impl<'p> Printer<'p> {
                 1 + operation.operands().iter().map(|a| length.get(a).copied().unwrap_or(0)).sum::<u32>();
             let is_shared = uses.get(op).copied().unwrap_or(0) > 1 || forced(op) || own > LONGEST_EXPRESSION;
             if let Some((sine, cosine)) = self.sine_and_cosine(op, &needed) {
-                let argument = self.receiver(self.program.operation(sine).operands()[0]);
+                let both = self.method(self.program.operation(sine).operands()[0], "sin_cos", None);
                 let (sine, cosine) = (self.name(sine), self.name(cosine));
-                statements.extend(quote!(let (#sine, #cosine) = #argument.sin_cos();));
+                statements.extend(quote!(let (#sine, #cosine) = #both;));
             } else if is_shared && !operation.is_trivial() {
                 let value = self.value(op);
                 let name = self.name(op);
@@ -345,8 +345,7 @@ impl<'p> Printer<'p> {
                 (quote!(#a.recip()), Precedence::Atom)
             }
             Operation::Power(a, exponent) => {
-                let (a, exponent) = (self.receiver(*a), Literal::i32_unsuffixed(*exponent));
-                (quote!(#a.powi(#exponent)), Precedence::Atom)
+                (self.method(*a, "powi", Some(Literal::i32_unsuffixed(*exponent))), Precedence::Atom)
             }
             Operation::Call(function, arguments) => (self.call(op, *function, arguments), Precedence::Atom),
             Operation::Select(condition, then, otherwise) => self.select(op, *condition, *then, *otherwise),
@@ -355,27 +354,39 @@ impl<'p> Printer<'p> {
     }
 
     fn call(&self, op: Op, function: Function, arguments: &[Op]) -> TokenStream {
-        let method = Ident::new(function.method(), Span::call_site());
         if let (Function::Special(special), &[argument]) = (function, arguments) {
-            let argument = if self.program.is_literal(argument) {
-                self.receiver(argument)
-            } else {
-                self.value(argument)
-            };
+            let argument = self.argument(argument);
             // The variant as Rust writes it: `Sinc(1)`.
             let special: TokenStream = format!("{special:?}").parse().unwrap_or_default();
             return quote!(__wzvi::Scalar::special(#argument, __wzvi::Special::#special));
         }
-        if arguments.len() == 1 {
-            let argument = self.receiver(arguments[0]);
-            return quote!(#argument.#method());
+        if let &[argument] = arguments {
+            return self.method(argument, function.method(), None);
         }
+        let method = Ident::new(function.method(), Span::call_site());
         let (rank, scalar) = (self.rank(op), self.ty(self.rank(op)));
         let arguments = arguments.iter().map(|&a| self.lifted(a, rank));
         match rank == Rank::Scalar {
             true => quote!(#scalar::#method(#(#arguments),*)),
             false => quote!(<#scalar as __wzvi::Scalar>::#method(#(#arguments),*)),
         }
+    }
+
+    /// A method of `Scalar`. Numbers have methods of that name of their own, which are those of the platform.
+    fn method(&self, receiver: Op, name: &str, exponent: Option<Literal>) -> TokenStream {
+        let method = Ident::new(name, Span::call_site());
+        if self.rank(receiver) == Rank::Number {
+            let receiver = self.argument(receiver);
+            let exponent = exponent.map(|exponent| quote!(, #exponent));
+            return quote!(__wzvi::Scalar::#method(#receiver #exponent));
+        }
+        let receiver = self.receiver(receiver);
+        quote!(#receiver.#method(#exponent))
+    }
+
+    /// An argument of a function of any number type: literals get a type suffix there.
+    fn argument(&self, op: Op) -> TokenStream {
+        if self.program.is_literal(op) { self.receiver(op) } else { self.value(op) }
     }
 
     /// The operand of higher rank comes first: only its type implements the operation.

@@ -19,7 +19,7 @@ pub use rounded::Rounded;
 pub use special::Special;
 
 use super::stages::Stages;
-use crate::algebra::lanes::Lanes;
+use crate::algebra::lanes::{Lanes, elementary};
 use crate::error::FailedLanes;
 use crate::ground::numbers::Numbers;
 
@@ -254,13 +254,14 @@ pub trait Scalar:
     fn abs(self) -> Self;
     /// The sign: 1 or -1.
     fn signum(self) -> Self;
-    /// The smaller of two, and not NaN where one of them is a number.
-    #[inline]
+    /// The smaller of two, and not NaN where one of them is a number. Of two zeros the first: those of `f64`
+    /// depend on the machine.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn min(self, other: Self) -> Self {
         Self::select(self.less_equal(other) | !other.equal(other), self, other)
     }
-    /// The larger of two, and not NaN where one of them is a number.
-    #[inline]
+    /// The larger of two, as [`Scalar::min`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn max(self, other: Self) -> Self {
         Self::select(other.less_equal(self) | !other.equal(other), self, other)
     }
@@ -302,10 +303,21 @@ macro_rules! without_derivatives {
 }
 pub(in crate::algebra) use without_derivatives;
 
-macro_rules! forward {
+/// Operations of IEEE 754, which are the same on every machine.
+macro_rules! exact {
     ($($function:ident)*) => { $(#[cfg_attr(not(debug_assertions), inline(always))] fn $function(self) -> Self { f64::$function(self) })* };
 }
 
+macro_rules! elementary {
+    ($($method:ident: $function:ident),*) => {$(
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn $method(self) -> Self {
+            elementary::$function::alone(self)
+        }
+    )*};
+}
+
+/// With the elementary functions of [`Lanes`], so that a number alone has the bits of a lane.
 impl Scalar for f64 {
     type Mask = bool;
     type Constant = Self;
@@ -379,7 +391,10 @@ impl Scalar for f64 {
         if mask { then } else { otherwise }
     }
 
-    forward!(recip sqrt cbrt exp exp2 exp_m1 ln ln_1p log2 log10 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh abs signum);
+    exact!(recip sqrt abs signum);
+    elementary!(cbrt: Cbrt, exp: Exp, exp2: Exp2, exp_m1: ExpM1, ln: Ln, ln_1p: Ln1p, log2: Log2, log10: Log10);
+    elementary!(sin: Sin, cos: Cos, tan: Tan, asin: Asin, acos: Acos, atan: Atan);
+    elementary!(sinh: Sinh, cosh: Cosh, tanh: Tanh, asinh: Asinh, acosh: Acosh, atanh: Atanh);
 
     /// The bits of a number are nearly its logarithm. At most `1.9 / f64::MIN_POSITIVE`, for zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -389,7 +404,7 @@ impl Scalar for f64 {
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sin_cos(self) -> (Self, Self) {
-        f64::sin_cos(self)
+        elementary::sin_cos_alone(self)
     }
     #[inline]
     fn special(self, function: Special) -> Self {
@@ -397,28 +412,39 @@ impl Scalar for f64 {
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn powi(self, exponent: i32) -> Self {
-        f64::powi(self, exponent)
+        powi(self, exponent)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn powf(self, exponent: Self) -> Self {
-        f64::powf(self, exponent)
+        elementary::Pow::alone(self, exponent)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn hypot(self, other: Self) -> Self {
-        f64::hypot(self, other)
+        elementary::Hypot::alone(self, other)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn atan2(self, other: Self) -> Self {
-        f64::atan2(self, other)
+        elementary::Atan2::alone(self, other)
     }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn min(self, other: Self) -> Self {
-        f64::min(self, other)
+}
+
+/// By squaring, from the last bit of the exponent on; a negative exponent takes the reciprocal of the result.
+/// `f64::powi` multiplies in an order that depends on the compiler.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(in crate::algebra) fn powi<S: Scalar>(x: S, exponent: i32) -> S {
+    let mut rest = exponent.unsigned_abs();
+    let (mut power, mut square) = (S::from_f64(1.0), x);
+    loop {
+        if rest & 1 == 1 {
+            power = power * square;
+        }
+        rest >>= 1;
+        if rest == 0 {
+            break;
+        }
+        square = square * square;
     }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn max(self, other: Self) -> Self {
-        f64::max(self, other)
-    }
+    if exponent < 0 { power.recip() } else { power }
 }
 
 /// The larger of two; NaN if either is, unlike `f64::max`.

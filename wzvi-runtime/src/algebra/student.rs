@@ -1,5 +1,7 @@
 //! Quantiles of Student's t, and how far means of one law lie apart.
 
+use crate::algebra::scalar::Scalar;
+
 /// The quantile 0.975 of a normal.
 pub(crate) const NORMAL: f64 = 1.959_963_984_540_054;
 
@@ -8,7 +10,7 @@ pub(crate) const NORMAL: f64 = 1.959_963_984_540_054;
 /// 26.7.5), to 1 % from three on and to 1e-4 from ten on.
 pub(crate) fn quantile(degrees: f64) -> f64 {
     if degrees <= 1.0 {
-        return (0.475 * std::f64::consts::PI).tan();
+        return Scalar::tan(0.475 * std::f64::consts::PI);
     }
     if degrees <= 2.0 {
         return 0.95 * f64::sqrt(2.0 / (1.0 - 0.95 * 0.95));
@@ -27,7 +29,7 @@ pub(crate) fn quantile(degrees: f64) -> f64 {
 /// large (E. Paulson, "An approximate normalization of the analysis of variance distribution", Ann. Math.
 /// Statist. 13, 1942).
 pub(crate) fn normal_of_ratio(ratio: f64, [first, second]: [f64; 2]) -> f64 {
-    let (a, b, root) = (2.0 / (9.0 * first), 2.0 / (9.0 * second), ratio.cbrt());
+    let (a, b, root) = (2.0 / (9.0 * first), 2.0 / (9.0 * second), Scalar::cbrt(ratio));
     ((1.0 - b) * root - (1.0 - a)) / (a + b * root * root).sqrt()
 }
 

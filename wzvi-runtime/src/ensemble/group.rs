@@ -34,6 +34,7 @@ use watched::Watched;
 
 use super::increments::LaneIncrements;
 use super::job::EnsembleJob;
+use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, copy_state};
 use crate::error::InternalError;
 use crate::increments::Interval;
@@ -186,7 +187,7 @@ where
         let weight = match has_weight {
             true => {
                 let missing = || InternalError::new("the weight of work has a temperature", lane);
-                Some((-work / SchemeOf::<H, E>::temperature(system).ok_or_else(missing)?).exp())
+                Some(Scalar::exp(-work / SchemeOf::<H, E>::temperature(system).ok_or_else(missing)?))
             }
             false => None,
         };

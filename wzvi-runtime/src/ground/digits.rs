@@ -58,6 +58,7 @@ pub(crate) fn power_of_ten(exponent: i32) -> String {
 
 /// `value ± uncertainty` to the first digit of the uncertainty, with one power of ten for both where they are
 /// large or small; a dash for none.
+#[expect(clippy::disallowed_methods, reason = "a power of ten for a text")]
 pub(crate) fn estimate(value: f64, uncertainty: f64) -> String {
     if value.is_nan() {
         return "-".to_owned();

@@ -72,7 +72,7 @@ pub use tiles::{Flow, ForceArguments, KickForm, LEAST_IN_TILES, Move, NewState, 
 
 use std::ops::Range;
 
-pub use crate::algebra::lanes::single::{CommonRange, FullRange};
+pub use crate::algebra::lanes::common_range::CommonRange;
 pub use crate::algebra::memory::{Iteration, Method};
 
 use hamiltonian::{FORCE, NOISE};
@@ -237,12 +237,8 @@ pub trait Elements: Sized {
     /// degrees of freedom.
     fn value<S: Scalar>(&self, part: usize, weight: f64, at: &EvaluationPoint<'_, S>) -> S;
 
-    /// The number type of derivatives where numbers are stored as `f64`: functions have the same bits on
-    /// every machine and in lanes.
-    type Exact: Number<f64>;
-
     /// The number type of derivatives in vectorised loops: NaN where vector code cannot give the result of
-    /// [`Elements::Exact`].
+    /// `f64`.
     type CommonRange: Number<f64>;
 
     /// Adds the weighted derivatives of a part to `by_q` and `by_p`, computed in numbers `T`.
@@ -315,7 +311,7 @@ pub(crate) fn slopes<H: Elements, S: Scalar>(
     {
         pairs::gradient_in_columns(system, (part, weight), &at, wanted, by_q, by_p, columns);
     } else {
-        system.gradient::<S, S::OfElements<H::Exact>>(part, weight, at, wanted, by_q, by_p);
+        system.gradient::<S, S>(part, weight, at, wanted, by_q, by_p);
     }
 }
 

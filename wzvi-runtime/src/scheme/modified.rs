@@ -26,6 +26,7 @@ mod tree;
 use std::fmt;
 use std::marker::PhantomData;
 
+use crate::algebra::scalar::Scalar;
 use crate::algebra::state::State;
 use crate::scheme::compose::{Composed, Composes, Half, Symmetric, Verlet};
 use crate::scheme::embedding::{Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected};
@@ -150,7 +151,7 @@ impl<E: ModifiedBy> ModifiedHamiltonian<E> {
         let sizes = order + 1..=order.next_multiple_of(2) + 1;
         let mut series = modified(&E::parts(), E::ORDER);
         let terms = series.terms().map(|(coefficient, &(_, size))| {
-            if sizes.contains(&size) { coefficient * h.powi(size as i32 - 1) } else { 0.0 }
+            if sizes.contains(&size) { coefficient * Scalar::powi(h, size as i32 - 1) } else { 0.0 }
         });
         series.coefficients = terms.collect();
         Self { series, scheme: PhantomData }

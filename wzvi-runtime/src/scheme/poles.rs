@@ -22,7 +22,7 @@ use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{DMatrix, Schur};
 
 use super::system::{Discretized, Hamiltonian};
-use crate::algebra::scalar::{Dual, Scalar as _};
+use crate::algebra::scalar::{Dual, Scalar};
 use crate::algebra::state::{State, Vector as _};
 use crate::error::ConfigError;
 
@@ -175,7 +175,7 @@ fn largest(h: f64, reaches: &dyn Fn(f64) -> bool) -> f64 {
         let middle = 0.5 * (short + long);
         if reaches(middle) { long = middle } else { short = middle }
     }
-    let unit = 10f64.powf(short.abs().log10().floor() - 2.0);
+    let unit = Scalar::powf(10.0, Scalar::log10(short.abs()).floor() - 2.0);
     let rounded = (short / unit).trunc() * unit;
     // As it is printed.
     let rounded = format!("{rounded:.2e}").parse().unwrap_or(rounded);

@@ -2,6 +2,7 @@
 //!
 //! Tested by `tests/ensembles/statistics.rs`.
 
+use crate::algebra::scalar::Scalar;
 use crate::ground::numbers::{Numbers, Tape, numbers};
 
 /// How often the largest deviation of a sample may come again without having been expected: ten times more
@@ -276,7 +277,7 @@ impl Moments {
     /// where there is no deviation.
     pub(crate) fn largest_share(&self, observable: usize) -> f64 {
         let Some(summary) = self.of_each.get(observable) else { return f64::NAN };
-        summary.largest_deviation().powi(2) / self.scaled_comoment(observable, observable)
+        Scalar::powi(summary.largest_deviation(), 2) / self.scaled_comoment(observable, observable)
     }
 
     /// The distance between the least and the greatest sample.
@@ -294,7 +295,7 @@ impl Moments {
         let factor = scale / summary.scale;
         let largest = (summary.largest_deviation() * factor).max(unseen * scale);
         let variance = self.scaled_variance(observable) * factor * factor;
-        let bound = self.count as f64 * error_bound(self.count, variance, largest).powi(2);
+        let bound = self.count as f64 * Scalar::powi(error_bound(self.count, variance, largest), 2);
         if (scale * scale).is_normal() { bound / (scale * scale) } else { bound / scale / scale }
     }
 

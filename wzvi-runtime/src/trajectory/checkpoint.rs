@@ -33,7 +33,8 @@
 //! later end takes the whole step there, and the node at the earlier end is not one of its nodes: its path is
 //! that of a run that never ended there.
 //!
-//! Bits are those of the same program on the same machine: `sin`, `exp` and the like come from the platform.
+//! Bits are the same on every machine, as long as what the program itself computes is: `sin`, `exp` and the
+//! like of `std`, in a closure for example, come from the platform.
 //!
 //! # Files
 //!

@@ -143,6 +143,43 @@ fn a_lane_depends_on_itself_alone() {
     }
 }
 
+/// A number alone branches past what it does not need, and has the bits of a lane.
+#[test]
+fn a_number_alone_is_a_lane() {
+    let are_same = |a: f64, b: f64| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+    macro_rules! unary {
+        ($x:ident: $($name:ident)*) => {$(
+            let (alone, lane) = (<f64 as Scalar>::$name($x), Lanes::new([$x, 0.5]).$name()[0]);
+            assert!(are_same(alone, lane), "{}({:e}): {alone:e} {lane:e}", stringify!($name), $x);
+        )*};
+    }
+    macro_rules! binary {
+        ($x:ident $y:ident: $($name:ident)*) => {$(
+            let (alone, lane) = (<f64 as Scalar>::$name($x, $y), Lanes::new([$x]).$name(Lanes::new([$y]))[0]);
+            assert!(are_same(alone, lane), "{}({:e}, {:e}): {alone:e} {lane:e}", stringify!($name), $x, $y);
+        )*};
+    }
+    for n in 0..3000 {
+        for scale in [1e-3, 0.3, 1.0, 40.0, 1e5] {
+            let (x, y) = (scale * mixed(n), mixed(n + 1000));
+            unary!(x: recip sqrt cbrt exp exp2 exp_m1 ln ln_1p log2 log10 sin cos tan asin acos atan sinh cosh tanh
+                asinh acosh atanh abs signum);
+            binary!(x y: powf hypot atan2 min max);
+            let ((sin, cos), lanes) = (Scalar::sin_cos(x), Lanes::new([x]).sin_cos());
+            assert!(are_same(sin, lanes.0[0]) && are_same(cos, lanes.1[0]), "sin_cos({x:e})");
+            for power in [-3, 0, 2, 7, 14] {
+                assert!(are_same(Scalar::powi(x, power), Lanes::new([x]).powi(power)[0]), "{x:e}^{power}");
+            }
+        }
+    }
+    // Of two zeros the first.
+    for [a, b] in [[0.0, -0.0], [-0.0, 0.0_f64]] {
+        for of_zeros in [Scalar::min(a, b), Scalar::max(a, b), Lanes::new([a]).min(Lanes::new([b]))[0]] {
+            assert_eq!(of_zeros.to_bits(), a.to_bits());
+        }
+    }
+}
+
 /// Arithmetic is that of `f64`, comparisons and choices go by lane.
 #[test]
 fn arithmetic_and_masks() {

@@ -1,6 +1,10 @@
 //! The run time alone: numbers in lanes, and noise.
 
 #![allow(clippy::unwrap_used, reason = "a test stops at the first error")]
+#![allow(
+    clippy::disallowed_methods,
+    reason = "laws and errors are measured with the functions of the platform"
+)]
 
 #[cfg(feature = "ensemble")]
 mod ensemble_law;

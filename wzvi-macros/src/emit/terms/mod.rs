@@ -164,7 +164,7 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
         ..Default::default()
     };
     let known = crate::emit::plan::facts(model, facts, of_elements);
-    let (places, [exact, usual]) = (places::emit(model), tiles::numbers(model, &parts));
+    let (places, common_range) = (places::emit(model), tiles::common_range(model, &parts));
     let shape = length_type(model.line.as_ref().map(|line| line.phase.q.len()));
     let structure = structure(plans);
     let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
@@ -189,8 +189,7 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
                 }
             }
 
-            type Exact = #exact;
-            type CommonRange = #usual;
+            type CommonRange = #common_range;
 
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn gradient<__S: __wzvi::Scalar, __T: __wzvi::Number<__S>>(

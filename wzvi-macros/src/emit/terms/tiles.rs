@@ -115,14 +115,13 @@ pub(super) fn has_uniform_velocity(model: &System, parts: &[PartElements]) -> bo
         && read.into_iter().all(|index| point(index) == first)
 }
 
-/// The types for slopes of `f64` states: one by one, and in loops over neighbours. If only correctly rounded
-/// functions are called, both are `f64` itself.
-pub(super) fn numbers(model: &System, parts: &[PartElements]) -> [TokenStream; 2] {
+/// The type for slopes in loops over neighbours: `f64` itself if only correctly rounded functions are called.
+pub(super) fn common_range(model: &System, parts: &[PartElements]) -> TokenStream {
     let values: Vec<Expr> = elements(model, parts).map(|element| element.value).collect();
     let reached = model.graph.reachable(&values);
     match reached.into_iter().all(|expr| is_correctly_rounded(model.graph.node(expr))) {
-        true => [quote!(__wzvi::f64), quote!(__wzvi::f64)],
-        false => [quote!(__wzvi::elements::FullRange), quote!(__wzvi::elements::CommonRange)],
+        true => quote!(__wzvi::f64),
+        false => quote!(__wzvi::elements::CommonRange),
     }
 }
 

@@ -3,7 +3,8 @@
 //! The functions of `std` are those of the platform and differ in the last bit between targets. These do not:
 //! they use IEEE additions, multiplications, divisions and square roots in a fixed order, without fused
 //! operations, so that SSE2, AVX2, AVX-512 and NEON agree. They do not branch for usual arguments, so a loop
-//! over an array becomes vector code. Rare arguments (huge, subnormal, infinite, NaN, out of the domain) take
+//! over an array becomes vector code. One number alone branches past operations whose results are not
+//! selected, and takes the others in the same order: its bits are those of a lane. Rare arguments (huge, subnormal, infinite, NaN, out of the domain) take
 //! the functions of the crate `libm`, one number at a time, which are as portable. So every result is a
 //! function of its argument alone.
 //!
@@ -19,25 +20,25 @@ mod logarithm;
 mod power;
 mod trigonometric;
 
-pub(super) use exponential::{Exp, Exp2, ExpM1};
-pub(super) use hyperbolic::{Acosh, Asinh, Atanh, Cosh, Sinh, Tanh};
-pub(super) use inverse::{Acos, Asin, Atan, Atan2};
+pub(in crate::algebra) use exponential::{Exp, Exp2, ExpM1};
+pub(in crate::algebra) use hyperbolic::{Acosh, Asinh, Atanh, Cosh, Sinh, Tanh};
+pub(in crate::algebra) use inverse::{Acos, Asin, Atan, Atan2};
 #[cfg(feature = "noise")]
 pub(crate) use logarithm::ln_shifted;
-pub(super) use logarithm::{Ln, Ln1p, Log2, Log10};
-pub(super) use power::{Cbrt, Hypot, Pow};
+pub(in crate::algebra) use logarithm::{Ln, Ln1p, Log2, Log10};
+pub(in crate::algebra) use power::{Cbrt, Hypot, Pow};
 #[cfg(feature = "noise")]
 pub(crate) use trigonometric::{COSINE, SINE};
-pub(super) use trigonometric::{Cos, Sin, Tan};
+pub(in crate::algebra) use trigonometric::{Cos, Sin, Tan, sin_cos_alone};
 
-/// `name(arguments): fast where condition, else rare`: `fast` has no branches and is right where the
-/// condition holds, `rare` is right elsewhere.
+/// `name(arguments): fast where condition, else rare`: `fast` is right where the condition holds and has no
+/// branches unless it is `ALONE`, `rare` is right elsewhere.
 ///
 /// Not a trait over arrays of arguments: with one, `Gauss<2>` takes 4 % more instructions for a pendulum.
 macro_rules! functions {
     ($($(#[$doc:meta])* $name:ident($($x:ident),*): $fast:expr, where $usual:expr, else $rare:path;)*) => {$(
         $(#[$doc])*
-        pub(in crate::algebra::lanes) struct $name;
+        pub(in crate::algebra) struct $name;
 
         impl $name {
             #[cfg_attr(not(debug_assertions), inline(always))]
@@ -45,21 +46,28 @@ macro_rules! functions {
                 $usual
             }
 
+            /// The function of usual numbers; `ALONE` if it branches past what its argument does not need.
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn fast($($x: f64),*) -> f64 {
+            fn fast<const ALONE: bool>($($x: f64),*) -> f64 {
                 $fast
             }
 
             /// The function of usual numbers, NaN for any other, without branches.
             #[cfg_attr(not(debug_assertions), inline(always))]
             pub(in crate::algebra::lanes) fn usual($($x: f64),*) -> f64 {
-                select(Self::is_usual($($x),*), Self::fast($($x),*), f64::NAN)
+                select(Self::is_usual($($x),*), Self::fast::<false>($($x),*), f64::NAN)
             }
 
             /// The function of any numbers, as a call.
             #[inline(never)]
-            pub(in crate::algebra::lanes) fn alone($($x: f64),*) -> f64 {
-                Self::of($([$x]),*)[0]
+            pub(in crate::algebra) fn alone($($x: f64),*) -> f64 {
+                if Self::is_usual($($x),*) { Self::fast::<true>($($x),*) } else { Self::rare($($x),*) }
+            }
+
+            #[cold]
+            #[inline(never)]
+            fn rare($($x: f64),*) -> f64 {
+                $rare($($x),*)
             }
 
             /// The function of all lanes.
@@ -67,7 +75,7 @@ macro_rules! functions {
             pub(in crate::algebra::lanes) fn of<const L: usize>($($x: [f64; L]),*) -> [f64; L] {
                 let (mut y, mut all) = ([0.0; L], true);
                 for i in 0..L {
-                    y[i] = Self::fast($($x[i]),*);
+                    y[i] = Self::fast::<false>($($x[i]),*);
                 }
                 for i in 0..L {
                     all &= Self::is_usual($($x[i]),*);
@@ -87,7 +95,7 @@ macro_rules! functions {
             fn repair($($x: &[f64],)* y: &mut [f64]) {
                 for (i, y) in y.iter_mut().enumerate() {
                     if !Self::is_usual($($x[i]),*) {
-                        *y = $rare($($x[i]),*);
+                        *y = Self::rare($($x[i]),*);
                     }
                 }
             }
@@ -95,6 +103,15 @@ macro_rules! functions {
     )*};
 }
 use functions;
+
+/// `choice!(ALONE: condition => a, else b)`: both are computed and one is selected, or only that one if
+/// `ALONE`.
+macro_rules! choice {
+    ($alone:ident: $condition:expr => $a:expr, else $b:expr) => {
+        if $alone { if $condition { $a } else { $b } } else { select($condition, $a, $b) }
+    };
+}
+use choice;
 
 /// `ln 2` in two parts: products of the first with integers below 2^20 are exact.
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;

@@ -17,46 +17,46 @@ use crate::ground::numbers::numbers;
 macro_rules! functions_by_slope {
     ($with:ident) => {
         fn exp(self) -> Self {
-            let value = self.value.exp();
+            let value = Scalar::exp(self.value);
             self.$with(value, value)
         }
         fn exp2(self) -> Self {
-            let value = self.value.exp2();
+            let value = Scalar::exp2(self.value);
             self.$with(value, value * LN_2)
         }
         fn exp_m1(self) -> Self {
-            self.$with(self.value.exp_m1(), self.value.exp())
+            self.$with(Scalar::exp_m1(self.value), Scalar::exp(self.value))
         }
         fn ln(self) -> Self {
-            self.$with(self.value.ln(), self.value.recip())
+            self.$with(Scalar::ln(self.value), self.value.recip())
         }
         fn ln_1p(self) -> Self {
-            self.$with(self.value.ln_1p(), (self.value + 1.0).recip())
+            self.$with(Scalar::ln_1p(self.value), (self.value + 1.0).recip())
         }
         fn log2(self) -> Self {
-            self.$with(self.value.log2(), (self.value * LN_2).recip())
+            self.$with(Scalar::log2(self.value), (self.value * LN_2).recip())
         }
         fn log10(self) -> Self {
-            self.$with(self.value.log10(), (self.value * LN_10).recip())
+            self.$with(Scalar::log10(self.value), (self.value * LN_10).recip())
         }
         fn tan(self) -> Self {
-            let value = self.value.tan();
+            let value = Scalar::tan(self.value);
             self.$with(value, value * value + 1.0)
         }
         fn atan(self) -> Self {
-            self.$with(self.value.atan(), (self.value * self.value + 1.0).recip())
+            self.$with(Scalar::atan(self.value), (self.value * self.value + 1.0).recip())
         }
         fn sinh(self) -> Self {
-            self.$with(self.value.sinh(), self.value.cosh())
+            self.$with(Scalar::sinh(self.value), Scalar::cosh(self.value))
         }
         fn tanh(self) -> Self {
             // 1/cosh² keeps its digits where 1 - tanh² cancels.
-            let secant = self.value.cosh().recip();
-            self.$with(self.value.tanh(), secant * secant)
+            let secant = Scalar::cosh(self.value).recip();
+            self.$with(Scalar::tanh(self.value), secant * secant)
         }
         fn atanh(self) -> Self {
             let x = self.value;
-            self.$with(x.atanh(), one_minus_square(x).recip())
+            self.$with(Scalar::atanh(x), one_minus_square(x).recip())
         }
     };
 }

@@ -15,8 +15,8 @@ use crate::ground::numbers::numbers;
 
 /// Twice the largest rounding error of one operation: the bound also holds where the errors of many add up.
 const EPSILON: f64 = f64::EPSILON;
-/// The error of an elementary function of the standard library or of [`Lanes`](crate::algebra::lanes::Lanes):
-/// two and a half units in the last place, and as much for the difference between both.
+/// Nearly twice the largest error of an elementary function ([`Lanes`](crate::algebra::lanes)), 2.2 units in
+/// the last place.
 const FUNCTION: f64 = 4.0 * f64::EPSILON;
 /// The spacing of numbers where they underflow.
 const SMALLEST: f64 = f64::MIN_POSITIVE * f64::EPSILON;
@@ -196,21 +196,21 @@ impl Scalar for Rounded {
     }
     #[inline]
     fn powi(self, exponent: i32) -> Self {
-        let power = |size: f64| size.powi(exponent.saturating_abs());
+        let power = |size: f64| Scalar::powi(size, exponent.saturating_abs());
         let size = self.value.abs();
         // The power is monotonic: the error of its argument is largest at the larger end.
         let inherited = if self.error == 0.0 { 0.0 } else { power(size + self.error) - power(size) };
         let own = f64::from(exponent.unsigned_abs()) * EPSILON;
-        let positive = Self::computed(self.value.powi(exponent.saturating_abs()), inherited, own);
+        let positive = Self::computed(Scalar::powi(self.value, exponent.saturating_abs()), inherited, own);
         if exponent < 0 { positive.recip() } else { positive }
     }
     #[inline]
     fn powf(self, exponent: Self) -> Self {
         let (x, y) = (self.value, exponent.value);
-        let value = x.powf(y);
-        let by_base = spread(self.error, y * x.powf(y - 1.0));
+        let value = Scalar::powf(x, y);
+        let by_base = spread(self.error, y * Scalar::powf(x, y - 1.0));
         // x^y ln x → 0 as x → 0 for y > 0.
-        let by_exponent = spread(exponent.error, if value == 0.0 { 0.0 } else { value * x.ln() });
+        let by_exponent = spread(exponent.error, if value == 0.0 { 0.0 } else { value * Scalar::ln(x) });
         Self::computed(value, by_base + by_exponent, FUNCTION)
     }
     #[inline]
@@ -222,17 +222,17 @@ impl Scalar for Rounded {
     }
     #[inline]
     fn cbrt(self) -> Self {
-        let value = self.value.cbrt();
+        let value = Scalar::cbrt(self.value);
         // `∛x - ∛(x - δ)` is largest, `∛4 ∛δ`, on both sides of zero.
         let inherited = match self.error == 0.0 {
             true => 0.0,
-            false => (self.error / value / value).min(1.6 * self.error.cbrt()),
+            false => (self.error / value / value).min(1.6 * Scalar::cbrt(self.error)),
         };
         Self::computed(value, inherited, FUNCTION)
     }
     #[inline]
     fn hypot(self, other: Self) -> Self {
-        Self::computed(self.value.hypot(other.value), self.error + other.error, FUNCTION)
+        Self::computed(Scalar::hypot(self.value, other.value), self.error + other.error, FUNCTION)
     }
     #[inline]
     fn sin(self) -> Self {
@@ -244,7 +244,7 @@ impl Scalar for Rounded {
     }
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.value.sin_cos();
+        let (sin, cos) = Scalar::sin_cos(self.value);
         // The second term of the expansion counts where the slope vanishes.
         let square = 0.5 * self.error * self.error;
         let mut pair = (self.function(sin, cos), self.function(cos, sin));
@@ -254,33 +254,33 @@ impl Scalar for Rounded {
     }
     #[inline]
     fn asin(self) -> Self {
-        self.function(self.value.asin(), arc_slope(self.value, self.error))
+        self.function(Scalar::asin(self.value), arc_slope(self.value, self.error))
     }
     #[inline]
     fn acos(self) -> Self {
-        self.function(self.value.acos(), arc_slope(self.value, self.error))
+        self.function(Scalar::acos(self.value), arc_slope(self.value, self.error))
     }
     #[inline]
     fn atan2(self, other: Self) -> Self {
         let (y, x) = (self.value, other.value);
-        let radius = y.hypot(x);
+        let radius = Scalar::hypot(y, x);
         let inherited = spread(self.error, x / radius / radius) + spread(other.error, y / radius / radius);
-        Self::computed(y.atan2(x), inherited, FUNCTION)
+        Self::computed(Scalar::atan2(y, x), inherited, FUNCTION)
     }
     #[inline]
     fn cosh(self) -> Self {
-        let mut cosh = self.function(self.value.cosh(), self.value.sinh());
+        let mut cosh = self.function(Scalar::cosh(self.value), Scalar::sinh(self.value));
         cosh.error += 0.5 * self.error * self.error;
         cosh
     }
     #[inline]
     fn asinh(self) -> Self {
-        self.function(self.value.asinh(), 1.0_f64.hypot(self.value).recip())
+        self.function(Scalar::asinh(self.value), Scalar::hypot(1.0, self.value).recip())
     }
     #[inline]
     fn acosh(self) -> Self {
         let below = (self.value - 1.0).max(self.error).sqrt();
-        self.function(self.value.acosh(), (below * (self.value + 1.0).sqrt()).recip())
+        self.function(Scalar::acosh(self.value), (below * (self.value + 1.0).sqrt()).recip())
     }
     #[inline]
     fn special(self, function: Special) -> Self {

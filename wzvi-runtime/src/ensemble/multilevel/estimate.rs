@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::algebra::scalar::Scalar;
 use crate::ground::digits::estimate;
 use crate::saving::FileError;
 use crate::statistics::StatisticsNode;
@@ -27,9 +28,9 @@ pub(super) fn variance_bounds(levels: &[&StatisticsNode]) -> Vec<f64> {
 pub(super) fn bias(levels: &[&StatisticsNode], order: f64) -> f64 {
     let differences = levels.iter().skip(1).rev().take(3).zip(0..);
     let remainders =
-        differences.map(|(end, ago)| end.mean(DIFFERENCE).abs() / 2f64.powf(order * f64::from(ago)));
+        differences.map(|(end, ago)| end.mean(DIFFERENCE).abs() / Scalar::exp2(order * f64::from(ago)));
     match remainders.reduce(f64::max) {
-        Some(largest) => largest / (2f64.powf(order) - 1.0),
+        Some(largest) => largest / (Scalar::exp2(order) - 1.0),
         None => f64::INFINITY,
     }
 }
@@ -47,12 +48,12 @@ fn slope(values: impl Iterator<Item = f64>) -> Option<f64> {
         .zip(values)
         .skip(1)
         .filter(|(_, value)| value.is_finite() && *value > 0.0)
-        .map(|(level, value)| (level, value.log2()))
+        .map(|(level, value)| (level, Scalar::log2(value)))
         .collect();
     let n = points.len() as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
     let (x, y) = (mean(|point| point.0), mean(|point| point.1));
-    let square: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    let square: f64 = points.iter().map(|point| Scalar::powi(point.0 - x, 2)).sum();
     let product: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
     (points.len() > 1).then(|| -product / square)
 }
@@ -180,7 +181,7 @@ impl MultilevelEstimate {
 
     /// The expected root mean square error, `√(standard_error² + bias²)`.
     pub fn error(&self) -> f64 {
-        self.standard_error().hypot(self.bias)
+        Scalar::hypot(self.standard_error(), self.bias)
     }
 
     /// The levels, the coarsest first.
@@ -197,7 +198,7 @@ impl MultilevelEstimate {
     pub fn plain_cost(&self) -> f64 {
         let Some(finest) = self.levels.last() else { return f64::NAN };
         let steps = if self.levels.len() == 1 { finest.steps as f64 } else { finest.steps as f64 / 1.5 };
-        steps * finest.fine_variance() / self.standard_error().powi(2)
+        steps * finest.fine_variance() / Scalar::powi(self.standard_error(), 2)
     }
 
     /// `β`, if the variances fall like `h^β`: twice the strong order, for a smooth observable. By least

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use super::estimate::{FINE, MultilevelEstimate, bias, variance_bounds, variance_slope};
 use crate::algebra::lanes::instructions::InstructionSet;
+use crate::algebra::scalar::Scalar;
 use crate::ensemble::chunk::{PATHS, in_chunks};
 use crate::ensemble::job::EnsembleJob;
 use crate::ensemble::run_identity::described;
@@ -253,13 +254,13 @@ where
         for (level, mut variance) in variance_bounds(&ends).into_iter().enumerate() {
             if let Some(coarser) = variances.last().filter(|_| level >= 2) {
                 // A few paths may miss rare events.
-                variance = variance.max(0.5 * coarser / 2f64.powf(slope));
+                variance = variance.max(0.5 * coarser / Scalar::exp2(slope));
             }
             variances.push(variance);
         }
         let costs: Vec<f64> = self.jobs.iter().map(|job| steps(job) as f64).collect();
         let sum: f64 = variances.iter().zip(&costs).map(|(variance, cost)| (variance * cost).sqrt()).sum();
-        let scale = sum / ((1.0 - BIAS_PART) * self.limits.target.powi(2));
+        let scale = sum / ((1.0 - BIAS_PART) * Scalar::powi(self.limits.target, 2));
         let number = |(variance, cost): (&f64, &f64)| {
             // Infinite numbers become the largest integer.
             let best = ((variance / cost).sqrt() * scale).ceil() as u64;

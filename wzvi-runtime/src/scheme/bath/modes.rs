@@ -18,7 +18,7 @@ impl Decay {
     /// The factor at `s λ = share`.
     pub(super) fn factor(self, share: f64) -> f64 {
         match self {
-            Self::Exponential => (-share).exp(),
+            Self::Exponential => Scalar::exp(-share),
             Self::Cayley => (1.0 - 0.5 * share) / (1.0 + 0.5 * share),
         }
     }

@@ -10,6 +10,7 @@
 //! two is the highest.
 
 use super::splitting::Letters;
+use crate::algebra::scalar::Scalar;
 use crate::scheme::compose::stages::{Act, Stage};
 use crate::scheme::compose::substeps::Half;
 
@@ -242,7 +243,7 @@ impl HarmonicLaw {
     pub fn of<W: Letters>(omega: f64, gamma: f64) -> Self {
         let spelling = W::SPELLING;
         let decay = W::DECAY.factor(gamma / spelling.parts as f64);
-        let factor = if W::IS_SHORTENED { (0.5 * gamma).tanh() / (0.5 * gamma) } else { 1.0 }.sqrt();
+        let factor = if W::IS_SHORTENED { Scalar::tanh(0.5 * gamma) / (0.5 * gamma) } else { 1.0 }.sqrt();
         let letters = LinearStep { spelling, decay, factor };
         let columns = [[1.0, 0.0], [0.0, 1.0]].map(|start| letters.step([omega, 0.0], start));
         let [[a, c], [b, d]] = columns;
@@ -262,7 +263,7 @@ impl HarmonicLaw {
         let law = matrix.lu().solve(&nalgebra::Vector3::new(s_qq, s_qp, s_pp));
         let is_stable = (a + d).abs() < 1.0 + (a * d - b * c) && (a * d - b * c).abs() < 1.0;
         let [q, qp, p] = law.filter(|_| is_stable).map_or([f64::NAN; 3], Into::into);
-        let all = decay.powi(spelling.parts as i32);
+        let all = Scalar::powi(decay, spelling.parts as i32);
         let diffusion = gamma * letters.diffusion();
         // Stationary momentum under a constant force: p = all p + gained.
         let [_, gained] = letters.step([0.0, 1.0], [0.0; 2]);

@@ -174,7 +174,7 @@ impl<F: Field, K: Constant, S: ComputesWith<K>, const SQUARES: bool> StepParts<S
                 let (q, force, change) = (q.as_ref(), force.as_mut(), velocity.as_mut());
                 directional.fit(q.len(), dw.len());
                 KickInput { flows: self, stage, q, dw }.differentiate(directional, force, change)?;
-                let factor = 2.0 * gradient / stage.share.powi(3);
+                let factor = 2.0 * gradient / Scalar::powi(stage.share, 3);
                 for (force, change) in force.iter_mut().zip(change) {
                     *force = *force + *change * factor;
                 }

@@ -32,7 +32,7 @@ impl<F: Field, const SQUARES: bool> KickDriftFlows<'_, F, f64, SQUARES> {
             &mut force,
             &mut change,
         );
-        gradient / stage.share.powi(3) * square.unwrap_or(f64::NAN)
+        gradient / Scalar::powi(stage.share, 3) * square.unwrap_or(f64::NAN)
     }
 }
 

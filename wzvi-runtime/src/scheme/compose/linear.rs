@@ -11,7 +11,7 @@
 //!
 //! Degrees of freedom that `K` does not couple have separate exponentials.
 
-use crate::algebra::scalar::{ComputesWith, Constant, Mask as _};
+use crate::algebra::scalar::{ComputesWith, Constant, Mask as _, Scalar};
 use crate::error::ConfigError;
 
 /// The flow over a fixed time.
@@ -162,8 +162,8 @@ fn groups(length: usize, is_coupled: impl Fn(usize, usize) -> bool) -> Vec<Vec<u
 fn exponential_less_one<K: Constant>(mut matrix: Vec<K>, n: usize) -> Vec<K> {
     let norm = matrix.chunks(n).map(|row| row.iter().map(|x| x.magnitude()).sum::<f64>()).fold(0.0, f64::max);
     // Finite entries have sums below 2^1100.
-    let halvings = (0..1100).find(|&k| norm * 0.5_f64.powi(k) <= 0.5).unwrap_or(1100);
-    let scale = 0.5_f64.powi(halvings);
+    let halvings = (0..1100).find(|&k| norm * Scalar::powi(0.5, k) <= 0.5).unwrap_or(1100);
+    let scale = Scalar::powi(0.5, halvings);
     matrix.iter_mut().for_each(|x| *x = *x * scale);
     // Horner: `M (1 + M/2 (1 + M/3 (...)))`.
     let mut sum = vec![K::from_f64(0.0); n * n];

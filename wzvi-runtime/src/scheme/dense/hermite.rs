@@ -13,6 +13,7 @@
 //! rates evaluated on a polynomial of order `n` it has order `n + 1`.
 
 use super::slopes::{NodeWeights, RateCoefficients, legendre, weights};
+use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::scheme::system::{Gradient, Hamiltonian};
 
@@ -52,7 +53,7 @@ fn lobatto(n: usize, i: usize, list: &mut [f64]) -> f64 {
         return if i == 0 { -1.0 } else { 1.0 };
     }
     let top = (n - 1) as f64;
-    let mut y = -(std::f64::consts::PI * i as f64 / top).cos();
+    let mut y = -Scalar::cos(std::f64::consts::PI * i as f64 / top);
     for _ in 0..20 {
         legendre(y, list);
         // `(1 - y²) P'` and its slope, `-n(n + 1) P`.

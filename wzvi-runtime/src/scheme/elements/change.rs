@@ -216,8 +216,7 @@ mod tests {
 
     use super::super::memory::LoopMemory;
     use super::super::{
-        ElementInput, EvaluationPoint, FullRange, HessianBlock, Linearity, MomentumUpdate, Partials,
-        Quadrature, Sums,
+        ElementInput, EvaluationPoint, HessianBlock, Linearity, MomentumUpdate, Partials, Quadrature, Sums,
     };
     use super::*;
     use crate::algebra::scalar::Number;
@@ -235,8 +234,7 @@ mod tests {
         type Shape = Dynamic;
         type Structure = General;
         type Vector = DVector<f64>;
-        type Exact = FullRange;
-        type CommonRange = FullRange;
+        type CommonRange = f64;
         fn degrees(&self) -> usize {
             self.mass.len()
         }

@@ -169,14 +169,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         for stage in self.scheme.stages {
             let (at, none) = (self.at(stage, self.q, momentum), &mut [][..]);
             for &(part, weight) in stage.parts {
-                self.system.gradient::<S, S::OfElements<H::Exact>>(
-                    part,
-                    weight,
-                    &at,
-                    Partials::BY_MOMENTA,
-                    none,
-                    &mut coordinates,
-                );
+                self.system.gradient::<S, S>(part, weight, &at, Partials::BY_MOMENTA, none, &mut coordinates);
             }
         }
     }

@@ -92,8 +92,8 @@ impl<S: Scalar, T: Number<S>, U: Number<S>, const M: usize, const F: usize> Plac
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::algebra::lanes::common_range::CommonRange;
     use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-    use crate::algebra::lanes::single::{CommonRange, FullRange};
 
     /// `c sin(k (x - y))`
     struct Bond;
@@ -106,9 +106,7 @@ mod tests {
         }
     }
 
-    fn factors() -> [FullRange; 2] {
-        [0.3, 1.7].map(FullRange::from_f64)
-    }
+    const FACTORS: [f64; 2] = [0.3, 1.7];
 
     /// Adds the derivatives of all bonds.
     struct Added<'a> {
@@ -117,9 +115,9 @@ mod tests {
         sums: &'a mut [f64],
     }
 
-    fn add(sums: &mut [f64], bond: [usize; 2], slopes: [FullRange; 2]) {
+    fn add(sums: &mut [f64], bond: [usize; 2], slopes: [f64; 2]) {
         for (site, slope) in bond.into_iter().zip(slopes) {
-            sums[site] = (FullRange::of(sums[site]) + slope).kept();
+            sums[site] += slope;
         }
     }
 
@@ -129,13 +127,13 @@ mod tests {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn run<const L: usize, const HALF: usize>(self) {
             let Self { bonds, q, sums } = self;
-            let (mut placements, mut first) = (Placements::<f64, FullRange, CommonRange, 2, 2>::new(), 0);
+            let (mut placements, mut first) = (Placements::<f64, f64, CommonRange, 2, 2>::new(), 0);
             while first < bonds.len() {
                 let few = placements.few(bonds.len() - first);
                 for lane in 0..few {
-                    placements.read(lane, bonds[first + lane].map(|site| FullRange::of(q[site])));
+                    placements.read(lane, bonds[first + lane].map(|site| q[site]));
                 }
-                placements.take::<Bond, 2>(few, factors());
+                placements.take::<Bond, 2>(few, FACTORS);
                 for lane in 0..few {
                     add(sums, bonds[first + lane], placements.gradient(lane));
                 }
@@ -154,7 +152,7 @@ mod tests {
             q[4] = far;
             let mut reference = [0.1; 7];
             for &bond in &bonds {
-                let (slopes, []) = Bond::gradient(factors(), [], bond.map(|site| FullRange::of(q[site])));
+                let (slopes, []) = Bond::gradient(FACTORS, [], bond.map(|site| q[site]));
                 add(&mut reference, bond, slopes);
             }
             for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {

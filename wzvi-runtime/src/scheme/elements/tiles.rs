@@ -274,7 +274,7 @@ impl TiledStep {
         let (step, shares, rest, mut lists) = self.parts(state, false);
         shares.iter_mut().chain([rest]).all(|share| {
             let all = ThreadLists { first: 0, lists: lend(&mut lists) };
-            Wavefront::<_, _, H::Exact, true>::new(step, system, word, share, all).run::<1, 1>()
+            Wavefront::<_, _, f64, true>::new(step, system, word, share, all).run::<1, 1>()
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Numbers with twice the digits: `high + low` (T. J. Dekker, "A floating-point technique for extending the
 //! available precision", Numer. Math. 18, 1971). Used for coefficients, which are computed once.
 
+use crate::algebra::scalar::Scalar;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// `high + low`, `|low| <= ε |high|`
@@ -19,7 +20,7 @@ impl DoubleDouble {
     /// The nearest multiple of `2^-bits`, below `2^(53 - bits)`: sums and differences of such numbers do not
     /// round.
     pub(super) fn on_grid(self, bits: i32) -> f64 {
-        let scale = 2.0_f64.powi(bits);
+        let scale = Scalar::powi(2.0, bits);
         let high = self.high * scale;
         let near = high.round_ties_even();
         // The rest separately: rounding the sum twice would break the symmetry between `x` and `1 - x`.
@@ -35,6 +36,7 @@ impl DoubleDouble {
     }
 
     /// The exact product.
+    #[expect(clippy::disallowed_methods, reason = "exact, so the same on every machine")]
     fn product(a: f64, b: f64) -> Self {
         let high = a * b;
         Self { high, low: a.mul_add(b, -high) }

@@ -194,10 +194,10 @@ fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
             return 0.0;
         }
         power /= norm;
-        logarithm += norm.ln() / f64::from(1 << doubling);
+        logarithm += Scalar::ln(norm) / f64::from(1 << doubling);
         power = product(&power, &power);
     }
-    logarithm.exp()
+    Scalar::exp(logarithm)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@
 use std::sync::OnceLock;
 
 use super::double_double::DoubleDouble;
+use crate::algebra::scalar::Scalar;
 
 /// The most stages.
 pub(super) const MOST_STAGES: usize = 16;
@@ -75,7 +76,7 @@ fn legendre(y: DoubleDouble, top: usize) -> Vec<DoubleDouble> {
 /// Root number `i` of `P_s`, from the smallest, by Newton's method.
 fn root(s: usize, i: usize) -> DoubleDouble {
     let angle = std::f64::consts::PI * (4.0 * (s - i) as f64 - 1.0) / (4.0 * s as f64 + 2.0);
-    let mut y = DoubleDouble::from(angle.cos());
+    let mut y = DoubleDouble::from(Scalar::cos(angle));
     for _ in 0..8 {
         let p = legendre(y, s);
         let slope = (p[s - 1] - y * p[s]) * s as f64 / (DoubleDouble::from(1.0) - y * y);

@@ -6,6 +6,7 @@ use std::iter::successors;
 use std::sync::OnceLock;
 
 use super::tree::{PhaseHalf, Tree, rooted};
+use crate::algebra::scalar::Scalar;
 
 /// `B_m / m!` for the Bernoulli numbers with `B_1 = 1/2`.
 const BERNOULLI: [f64; 7] = [1.0, 0.5, 1.0 / 12.0, 0.0, -1.0 / 720.0, 0.0, 1.0 / 30240.0];
@@ -168,7 +169,7 @@ impl TreeSeries {
     fn generator(basis: &'static Basis, l: f64) -> Self {
         let mut sum = Self::zero(basis);
         for &Rooted { n, edges: [q, p], weight } in &basis.stage {
-            sum.coefficients[n] += weight * (l - 1.0).powi(q) * l.powi(p);
+            sum.coefficients[n] += weight * Scalar::powi(l - 1.0, q) * Scalar::powi(l, p);
         }
         sum
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::LN_2;
 
-use crate::algebra::scalar::Dual;
+use crate::algebra::scalar::{Dual, Scalar};
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::algebra::state_sum::StateSum;
 use crate::error::{ConfigError, DerivativeError, StepError, StepFailure};
@@ -129,8 +129,9 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
     /// The natural logarithm of the length of a deviation.
     pub(super) fn ln_length(&self, number: usize) -> f64 {
         let (columns, column) = (&self.blocks[number / COLUMNS], number % COLUMNS);
-        let square: f64 = columns.q.iter().chain(&columns.p).map(|x| x.derivative[column].powi(2)).sum();
-        0.5 * square.ln() + columns.exponents[column] as f64 * LN_2
+        let square: f64 =
+            columns.q.iter().chain(&columns.p).map(|x| Scalar::powi(x.derivative[column], 2)).sum();
+        0.5 * Scalar::ln(square) + columns.exponents[column] as f64 * LN_2
     }
 
     /// The deviations as unit vectors; NaN where one has no length.
@@ -157,7 +158,7 @@ impl<'a, H: Discretized<E>, E> Frame<'a, H, E> {
         for (number, ln_length) in lengths.iter_mut().enumerate() {
             let (before, [list, ..]) = self.lists.split_at_mut(number) else { continue };
             let rest = orthogonalise(before, list);
-            *ln_length += rest.ln();
+            *ln_length += Scalar::ln(rest);
             if !ln_length.is_finite() {
                 return Err(lost(number, *ln_length, step, t));
             }

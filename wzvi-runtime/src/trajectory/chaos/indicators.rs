@@ -113,7 +113,7 @@ impl<S: Scalar> Growth<S> {
 
 /// The smaller length of sum and difference of two unit vectors.
 pub(crate) fn sali(u: &[f64], v: &[f64]) -> f64 {
-    let length = |sign: f64| u.iter().zip(v).map(|(u, v)| (u + sign * v).powi(2)).sum::<f64>().sqrt();
+    let length = |sign: f64| u.iter().zip(v).map(|(u, v)| Scalar::powi(u + sign * v, 2)).sum::<f64>().sqrt();
     length(1.0).min(length(-1.0))
 }
 

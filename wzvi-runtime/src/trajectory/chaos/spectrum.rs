@@ -18,6 +18,7 @@
 
 use super::frame::Frame;
 use super::{Deviations, chosen, start};
+use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::state_sum::StateSum;
 use crate::error::wrong;
@@ -348,7 +349,7 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
 fn deviation(sample: impl Iterator<Item = f64> + Clone) -> f64 {
     let number = sample.clone().count() as f64;
     let mean = sample.clone().sum::<f64>() / number;
-    (sample.map(|x| (x - mean).powi(2)).sum::<f64>() / (number - 1.0)).sqrt()
+    (sample.map(|x| Scalar::powi(x - mean, 2)).sum::<f64>() / (number - 1.0)).sqrt()
 }
 
 /// The spectrum of a path, with the errors that others give it.

@@ -1,5 +1,7 @@
 //! Zeros and minima of a function of one variable between two points.
 
+use crate::algebra::scalar::Scalar;
+
 /// Zeros are found to this absolute error of a variable between 0 and 1.
 const TOLERANCE: f64 = f64::EPSILON;
 /// A minimum is where the function differs from it by rounding only.
@@ -19,7 +21,7 @@ pub(super) fn root(
 ) -> f64 {
     let length = b - a;
     let sign = at_b.signum();
-    let mut radius = TOLERANCE * ((length / TOLERANCE).log2().ceil() + 1.0).exp2();
+    let mut radius = TOLERANCE * Scalar::exp2(Scalar::log2(length / TOLERANCE).ceil() + 1.0);
     while b - a > 2.0 * TOLERANCE {
         let middle = a + 0.5 * (b - a);
         let secant = (at_b * a - at_a * b) / (at_b - at_a);

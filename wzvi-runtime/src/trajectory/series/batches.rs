@@ -23,6 +23,7 @@
 //!   and of all sums, and the `d` of `V` lowers it: series that pass by chance have an error that is rather
 //!   too large.
 
+use crate::algebra::scalar::Scalar;
 use crate::algebra::student;
 use crate::algebra::welford::Welford;
 use crate::ground::numbers::{Numbers, Tape, numbers};
@@ -56,7 +57,8 @@ impl BatchLevel {
     /// the squares about the mean it is what these leave.
     fn half_differences(&self, pairs: &Self) -> f64 {
         let (count, means) = (self.values.count() as f64, &pairs.values);
-        let alone = self.waiting.map_or(0.0, |value| (value - means.mean()).powi(2) * (count - 1.0) / count);
+        let alone =
+            self.waiting.map_or(0.0, |value| Scalar::powi(value - means.mean(), 2) * (count - 1.0) / count);
         (self.values.squares() - alone - 2.0 * means.squares()) / means.count() as f64
     }
 }

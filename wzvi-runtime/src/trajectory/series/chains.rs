@@ -1,6 +1,7 @@
 //! Several paths of one system, compared by their means.
 
 use super::TimeAverages;
+use crate::algebra::scalar::Scalar;
 use crate::algebra::student::{NORMAL, normal_of_ratio, quantile};
 use crate::error::wrong;
 use crate::trajectory::Error;
@@ -51,9 +52,10 @@ impl Chains {
         }
         let count = averages.len() as f64;
         let mean = averages.iter().map(|average| average.mean).sum::<f64>() / count;
-        let squares = averages.iter().map(|average| (average.mean - mean).powi(2)).sum::<f64>();
+        let squares = averages.iter().map(|average| Scalar::powi(average.mean - mean, 2)).sum::<f64>();
         let between = squares / (count - 1.0);
-        let inside = averages.iter().map(|average| average.standard_error.powi(2)).sum::<f64>() / count;
+        let inside =
+            averages.iter().map(|average| Scalar::powi(average.standard_error, 2)).sum::<f64>() / count;
         let degrees = averages.iter().map(|average| average.degrees).sum();
         let standard_error = (between / count).sqrt();
         Ok(Self {

@@ -2,6 +2,7 @@
 
 use super::SeriesError;
 use super::transform::{lagged_products, spectrum};
+use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector};
 use crate::calculus::TimeScale;
 use crate::scheme::system::Hamiltonian;
@@ -111,7 +112,7 @@ impl Autocorrelation {
         let time_error = spectrum.error(window, time);
         Ok(Self {
             mean: mean * of_values,
-            variance: variance * (of_deviations * of_values).powi(2),
+            variance: variance * Scalar::powi(of_deviations * of_values, 2),
             function: ByLag { spacing, values: rho },
             time: time * spacing,
             time_error: time_error * spacing,
@@ -185,11 +186,14 @@ impl PowerSpectrum {
         let half = self.powers.len() - 1;
         let squares = self.powers.iter().enumerate().map(|(k, power)| {
             let omega = std::f64::consts::PI * k as f64 / half as f64;
-            let kernel =
-                if k == 0 { lag as f64 } else { 0.5 * (lag as f64 * omega).sin() / (0.5 * omega).tan() };
+            let kernel = if k == 0 {
+                lag as f64
+            } else {
+                0.5 * Scalar::sin(lag as f64 * omega) / Scalar::tan(0.5 * omega)
+            };
             // Other frequencies have a negative one of the same power.
             let times = if k == 0 || k == half { 1.0 } else { 2.0 };
-            times * (power * (kernel - time)).powi(2)
+            times * Scalar::powi(power * (kernel - time), 2)
         });
         let series = self.series as f64;
         let per_series = (self.count / self.series) as f64;

@@ -39,7 +39,7 @@ const USUAL_SIZES: std::ops::Range<f64> = 1e-150..1e150;
 pub(super) fn scaled(mut x: f64, mut exponent: i64) -> f64 {
     while exponent != 0 && x != 0.0 && x.is_finite() {
         let part = exponent.clamp(-1000, 1000);
-        x *= 2.0_f64.powi(part as i32);
+        x *= Scalar::powi(2.0, part as i32);
         exponent -= part;
     }
     x
@@ -54,7 +54,7 @@ pub(super) fn is_held(size: f64, exponent: i64) -> bool {
 
 /// Its natural logarithm.
 pub(super) fn ln_scaled(size: f64, exponent: i64) -> f64 {
-    size.ln() + exponent as f64 * LN_2
+    Scalar::ln(size) + exponent as f64 * LN_2
 }
 
 /// The end of a run, and its derivatives.

@@ -9,6 +9,7 @@
 //! With a bath, whose noise makes momenta rough inside the step, the force is that in the middle and works
 //! along the way `Δq`, and explicit time is `H(t + h) - H(t)` there.
 
+use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector, copy_state, dot};
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::gauss::quadrature;
@@ -123,7 +124,7 @@ impl<V: Vector> EnergyLedger<V> {
 /// `h ∂H/∂t`, by a difference over the part of a step that makes truncation and rounding alike: exactly zero
 /// without explicit time.
 fn by_time<H: Hamiltonian>(system: &H, at: &State<H::Vector>, h: f64) -> f64 {
-    let apart = f64::EPSILON.cbrt();
+    let apart = Scalar::cbrt(f64::EPSILON);
     let (q, p) = (at.q.components(), at.p.components());
     let energy = |t: f64| system.evaluate(0, q, p, t);
     (energy(at.t + apart * h) - energy(at.t - apart * h)) / (2.0 * apart)

@@ -2,17 +2,17 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{functions, high, select};
+use super::{choice, functions, high, select};
 
 functions! {
     /// Arc sine.
-    Asin(x): asin(x), where x.abs() <= 1.0, else libm::asin;
+    Asin(x): asin::<ALONE>(x), where x.abs() <= 1.0, else libm::asin;
     /// Arc cosine.
-    Acos(x): acos(x), where x.abs() <= 1.0, else libm::acos;
+    Acos(x): acos::<ALONE>(x), where x.abs() <= 1.0, else libm::acos;
     /// Arc tangent.
-    Atan(x): atan(x), where x.abs() <= f64::INFINITY, else libm::atan;
+    Atan(x): atan::<ALONE>(x), where x.abs() <= f64::INFINITY, else libm::atan;
     /// The angle of the point (`x`, `y`).
-    Atan2(y, x): atan2(y, x), where is_moderate(y) & is_moderate(x), else libm::atan2;
+    Atan2(y, x): atan2::<ALONE>(y, x), where is_moderate(y) & is_moderate(x), else libm::atan2;
 }
 
 /// `π/2 - FRAC_PI_2`
@@ -42,39 +42,47 @@ fn excess(z: f64) -> f64 {
 
 /// `asin(x) = π/2 - 2 asin √((1 - x)/2)` above one half.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn asin(x: f64) -> f64 {
+fn asin<const ALONE: bool>(x: f64) -> f64 {
     let size = x.abs();
     let is_small = size < 0.5;
     let z = select(is_small, x * x, (1.0 - size) * 0.5);
     let r = excess(z);
+    choice!(ALONE: is_small => x + x * r, else asin_of_large(size, z, r).copysign(x))
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn asin_of_large(size: f64, z: f64, r: f64) -> f64 {
     let root = z.sqrt();
     let near_one = FRAC_PI_2 - (2.0 * (root + root * r) - FRAC_PI_2_LOW);
     let upper = high(root);
     let lower = (z - upper * upper) / (root + upper);
     let half = 0.5 * FRAC_PI_2;
     let middle = half - ((2.0 * root * r - (FRAC_PI_2_LOW - 2.0 * lower)) - (half - 2.0 * upper));
-    let large = select(size >= 0.975, near_one, middle);
-    select(is_small, x + x * r, large.copysign(x))
+    select(size >= 0.975, near_one, middle)
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn acos(x: f64) -> f64 {
+fn acos<const ALONE: bool>(x: f64) -> f64 {
     let size = x.abs();
     let is_small = size < 0.5;
     let z = select(is_small, x * x, (1.0 - size) * 0.5);
     let r = excess(z);
+    choice!(ALONE: is_small => FRAC_PI_2 - (x - (FRAC_PI_2_LOW - x * r)), else acos_of_large(x, z, r))
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn acos_of_large(x: f64, z: f64, r: f64) -> f64 {
     let root = z.sqrt();
-    let small = FRAC_PI_2 - (x - (FRAC_PI_2_LOW - x * r));
     let negative = 2.0 * (FRAC_PI_2 - (root + (r * root - FRAC_PI_2_LOW)));
     let upper = high(root);
     let lower = select(z == 0.0, 0.0, (z - upper * upper) / (root + upper));
     let positive = 2.0 * (upper + (r * root + lower));
-    select(is_small, small, select(x < 0.0, negative, positive))
+    select(x < 0.0, negative, positive)
 }
 
 /// `atan(x) = atan(c) + atan((x - c)/(1 + c x))` with `c` one of 0, 1/2, 1, 3/2, ∞.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn atan(x: f64) -> f64 {
+fn atan<const ALONE: bool>(x: f64) -> f64 {
     const T: [f64; 11] = [
         3.333_333_333_333_293e-1,
         -1.999_999_999_987_648_3e-1,
@@ -104,7 +112,7 @@ fn atan(x: f64) -> f64 {
         1.390_331_103_123_099_8e-17,
         FRAC_PI_2_LOW,
     );
-    let t = numerator / denominator;
+    let t = if ALONE && !b0 { a } else { numerator / denominator };
     let z = t * t;
     let w = z * z;
     let odd = z * (T[0] + w * (T[2] + w * (T[4] + w * (T[6] + w * (T[8] + w * T[10])))));
@@ -119,8 +127,8 @@ fn is_moderate(x: f64) -> bool {
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn atan2(y: f64, x: f64) -> f64 {
+fn atan2<const ALONE: bool>(y: f64, x: f64) -> f64 {
     const PI_LOW: f64 = 1.224_646_799_147_353_2e-16;
-    let angle = atan((y / x).abs());
+    let angle = atan::<ALONE>((y / x).abs());
     select(x < 0.0, PI - (angle - PI_LOW), angle).copysign(y)
 }

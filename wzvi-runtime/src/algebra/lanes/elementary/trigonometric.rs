@@ -1,6 +1,6 @@
 //! Sine, cosine and tangent.
 
-use super::{functions, high, nearest, select};
+use super::{choice, functions, high, nearest, select};
 
 /// `n π/2` is known to the last digit for `n` below 2^20: that is `|x|` up to here.
 const LARGEST: f64 = 1.6e6;
@@ -27,12 +27,15 @@ pub(crate) const COSINE: [f64; 6] = [
 
 functions! {
     /// Sine.
-    Sin(x): sin(x), where x.abs() <= LARGEST, else libm::sin;
+    Sin(x): sin::<ALONE>(x), where x.abs() <= LARGEST, else libm::sin;
     /// Cosine.
-    Cos(x): cos(x), where x.abs() <= LARGEST, else libm::cos;
+    Cos(x): cos::<ALONE>(x), where x.abs() <= LARGEST, else libm::cos;
     /// Tangent.
-    Tan(x): tan(x), where x.abs() <= LARGEST, else libm::tan;
+    Tan(x): tan::<ALONE>(x), where x.abs() <= LARGEST, else libm::tan;
 }
+
+/// Below `π/4`: reduction leaves such a number as it is, with `n = 0`.
+const REDUCED: f64 = 0.785;
 
 /// `x - n π/2` in two parts, at most about `π/4`, and bits that end in `n`. The second part is at most the
 /// rounding of the first and is not waited for.
@@ -40,11 +43,14 @@ functions! {
 /// `π/2` in three parts of 33 bits and a remainder (W. J. Cody, W. Waite, "Software Manual for the Elementary
 /// Functions", 1980): their products with `n` are exact.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn reduce(x: f64) -> (f64, f64, u64) {
+fn reduce<const ALONE: bool>(x: f64) -> (f64, f64, u64) {
     const FIRST: f64 = 1.570_796_326_734_125_6;
     const SECOND: f64 = 6.077_100_506_303_966e-11;
     const THIRD: f64 = 2.022_266_248_711_166_5e-21;
     const REST: f64 = 8.478_427_660_368_9e-32;
+    if ALONE && x.abs() <= REDUCED {
+        return (x, 0.0, 0);
+    }
     let (n, bits) = nearest(x * std::f64::consts::FRAC_2_PI);
     let (r, first_lost) = difference(x - n * FIRST, n * SECOND);
     let (head, second_lost) = difference(r, n * THIRD);
@@ -88,22 +94,37 @@ fn turned(value: f64, bits: u64) -> f64 {
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn sin(x: f64) -> f64 {
-    let (head, tail, n) = reduce(x);
-    let y = turned(select(n & 1 == 0, sine(head, tail), cosine(head, tail)), n);
+fn sin<const ALONE: bool>(x: f64) -> f64 {
+    let (head, tail, n) = reduce::<ALONE>(x);
+    let y = choice!(ALONE: n & 1 == 0 => sine(head, tail), else cosine(head, tail));
     // The sign of zero.
-    select(x == 0.0, x, y)
+    select(x == 0.0, x, turned(y, n))
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn cos(x: f64) -> f64 {
-    let (head, tail, n) = reduce(x);
-    turned(select(n & 1 == 0, cosine(head, tail), sine(head, tail)), n.wrapping_add(n & 1))
+fn cos<const ALONE: bool>(x: f64) -> f64 {
+    let (head, tail, n) = reduce::<ALONE>(x);
+    let y = choice!(ALONE: n & 1 == 0 => cosine(head, tail), else sine(head, tail));
+    turned(y, n.wrapping_add(n & 1))
+}
+
+/// Sine and cosine of any number, as a call.
+#[inline(never)]
+pub(in crate::algebra) fn sin_cos_alone(x: f64) -> (f64, f64) {
+    if !Sin::is_usual(x) {
+        return (Sin::rare(x), Cos::rare(x));
+    }
+    let (head, tail, n) = reduce::<true>(x);
+    let (sine, cosine) = (sine(head, tail), cosine(head, tail));
+    let is_even = n & 1 == 0;
+    let sin = turned(select(is_even, sine, cosine), n);
+    let cos = turned(select(is_even, cosine, sine), n.wrapping_add(n & 1));
+    (select(x == 0.0, x, sin), cos)
 }
 
 /// `tan(x)`, and `-1/tan` of the reduced argument for odd `n`.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn tan(x: f64) -> f64 {
+fn tan<const ALONE: bool>(x: f64) -> f64 {
     const T: [f64; 13] = [
         3.333_333_333_333_341e-1,
         1.333_333_333_332_012_4e-1,
@@ -121,7 +142,7 @@ fn tan(x: f64) -> f64 {
     ];
     const QUARTER: f64 = std::f64::consts::FRAC_PI_4;
     const QUARTER_LOW: f64 = 3.061_616_997_868_383e-17;
-    let (head, tail, n) = reduce(x);
+    let (head, tail, n) = reduce::<ALONE>(x);
     let is_odd = n & 1 == 1;
     // Near π/4: from the tangent of the distance to it.
     let is_large = head.abs() >= 0.674_34;
@@ -136,15 +157,24 @@ fn tan(x: f64) -> f64 {
     let r = (v + z * (s * (odd + even) + v)) + s * T[0];
     let t = u + r;
 
+    let y = choice!(ALONE: is_large => tan_near_quarter(is_odd, sign, u, r, t),
+        else choice!(ALONE: is_odd => minus_recip(u, r, t), else t));
+    select(x == 0.0, x, y)
+}
+
+/// `±tan(π/4 - x)`, or `-1/tan`, from `t = u + r`, the tangent of `x`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn tan_near_quarter(is_odd: bool, sign: f64, u: f64, r: f64, t: f64) -> f64 {
     let one = select(is_odd, -1.0, 1.0);
-    let near = sign * (one - 2.0 * (u + (r - t * t / (t + one))));
-    // -1/(u + r) to the last digit.
+    sign * (one - 2.0 * (u + (r - t * t / (t + one))))
+}
+
+/// `-1/(u + r)` to the last digit, where `t = u + r`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn minus_recip(u: f64, r: f64, t: f64) -> f64 {
     let t_high = high(t);
     let inverse = -1.0 / t;
     let inverse_high = high(inverse);
     let rest = 1.0 + inverse_high * t_high + inverse_high * (r - (t_high - u));
-    let cotangent = inverse_high + inverse * rest;
-
-    let y = select(is_large, near, select(is_odd, cotangent, t));
-    select(x == 0.0, x, y)
+    inverse_high + inverse * rest
 }

@@ -168,7 +168,7 @@ impl<H: Elements> Kernel for InColumns<'_, H> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
         let Self { system, part: (part, weight), at, wanted, mut by_q, mut by_p } = self;
-        system.gradient::<f64, H::Exact>(part, weight, at, wanted, &mut by_q, &mut by_p);
+        system.gradient::<f64, f64>(part, weight, at, wanted, &mut by_q, &mut by_p);
     }
 }
 

@@ -139,7 +139,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
     /// Whether an iteration may have failed because of arguments that vectorised functions do not cover.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn may_have_been_unusual(&self, scratch: &LoopScratch<'_, S>) -> bool {
-        TypeId::of::<H::CommonRange>() != TypeId::of::<H::Exact>() && self.takes_vectors(scratch)
+        TypeId::of::<H::CommonRange>() != TypeId::of::<f64>() && self.takes_vectors(scratch)
     }
 
     /// This step, if its numbers are `f64`.

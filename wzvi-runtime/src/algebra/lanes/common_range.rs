@@ -1,10 +1,9 @@
-//! One number with the functions of [`Lanes`](super::Lanes), bit for bit: alone, or in a loop that becomes
-//! vector code.
+//! A number in a loop that becomes vector code.
 //!
-//! Alone, functions are calls. In a loop over neighbours they are inlined without the branch for rare
+//! Functions of `f64` are calls. In a loop over neighbours they are inlined without the branch for rare
 //! arguments, which would prevent vectorisation. Instead, every value that depends on a rare argument is NaN,
-//! comparisons included. A result is therefore either that of [`Lanes`](super::Lanes) or NaN, and the caller
-//! computes NaNs again, alone.
+//! comparisons included. A result is therefore either that of `f64` or NaN, and the caller computes NaNs
+//! again, as `f64`.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -12,17 +11,11 @@ use super::elementary;
 use crate::algebra::scalar::{Mask, Number, Scalar, Special, without_derivatives};
 use crate::ground::numbers::{Numbers, Tape, numbers};
 
-/// A number; unless it `STANDS_ALONE`, NaN where a function meets a rare argument.
+/// A number in a loop over neighbours: NaN where a function meets a rare argument.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Single<const STANDS_ALONE: bool>(f64);
+pub struct CommonRange(f64);
 
-/// A number by itself.
-pub type FullRange = Single<true>;
-
-/// A number in a loop over neighbours.
-pub type CommonRange = Single<false>;
-
-impl<const STANDS_ALONE: bool> Number<f64> for Single<STANDS_ALONE> {
+impl Number<f64> for CommonRange {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn of(kept: f64) -> Self {
         Self(kept)
@@ -42,8 +35,8 @@ pub struct KnownTruth {
 
 impl KnownTruth {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of<const STANDS_ALONE: bool>(truth: bool, a: Single<STANDS_ALONE>, b: Single<STANDS_ALONE>) -> Self {
-        Self { truth, is_known: STANDS_ALONE | (!a.0.is_nan() & !b.0.is_nan()) }
+    fn of(truth: bool, a: CommonRange, b: CommonRange) -> Self {
+        Self { truth, is_known: !a.0.is_nan() & !b.0.is_nan() }
     }
 }
 
@@ -98,7 +91,7 @@ impl Mask for KnownTruth {
 
 macro_rules! arithmetic {
     ($($trait:ident $method:ident)*) => {$(
-        impl<const STANDS_ALONE: bool> $trait for Single<STANDS_ALONE> {
+        impl $trait for CommonRange {
             type Output = Self;
 
             #[cfg_attr(not(debug_assertions), inline(always))]
@@ -107,7 +100,7 @@ macro_rules! arithmetic {
             }
         }
 
-        impl<const STANDS_ALONE: bool> $trait<f64> for Single<STANDS_ALONE> {
+        impl $trait<f64> for CommonRange {
             type Output = Self;
 
             #[cfg_attr(not(debug_assertions), inline(always))]
@@ -120,7 +113,7 @@ macro_rules! arithmetic {
 
 arithmetic!(Add add Sub sub Mul mul Div div);
 
-impl<const STANDS_ALONE: bool> Neg for Single<STANDS_ALONE> {
+impl Neg for CommonRange {
     type Output = Self;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -129,7 +122,7 @@ impl<const STANDS_ALONE: bool> Neg for Single<STANDS_ALONE> {
     }
 }
 
-impl<const STANDS_ALONE: bool> Numbers for Single<STANDS_ALONE> {
+impl Numbers for CommonRange {
     fn pass(&mut self, tape: &mut Tape) {
         self.0.pass(tape);
     }
@@ -139,10 +132,7 @@ macro_rules! unary {
     ($($method:ident: $function:ident),*) => {$(
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn $method(self) -> Self {
-            Self(match STANDS_ALONE {
-                true => elementary::$function::alone(self.0),
-                false => elementary::$function::usual(self.0),
-            })
+            Self(elementary::$function::usual(self.0))
         }
     )*};
 }
@@ -156,7 +146,7 @@ macro_rules! exact {
     )*};
 }
 
-impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
+impl Scalar for CommonRange {
     type Stages<const N: usize> = [Self; N];
     type Mask = KnownTruth;
     type Constant = f64;
@@ -214,41 +204,31 @@ impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
         Self(if mask.is_known { chosen } else { f64::NAN })
     }
 
-    /// In the order of [`Lanes`](super::Lanes).
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn powi(self, exponent: i32) -> Self {
-        Self(super::Lanes::new([self.0]).powi(exponent).to_array()[0])
+        Self(Scalar::powi(self.0, exponent))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn powf(self, exponent: Self) -> Self {
-        Self(match STANDS_ALONE {
-            true => elementary::Pow::alone(self.0, exponent.0),
-            false => elementary::Pow::usual(self.0, exponent.0),
-        })
+        Self(elementary::Pow::usual(self.0, exponent.0))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn hypot(self, other: Self) -> Self {
-        Self(match STANDS_ALONE {
-            true => elementary::Hypot::alone(self.0, other.0),
-            false => elementary::Hypot::usual(self.0, other.0),
-        })
+        Self(elementary::Hypot::usual(self.0, other.0))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn atan2(self, other: Self) -> Self {
-        Self(match STANDS_ALONE {
-            true => elementary::Atan2::alone(self.0, other.0),
-            false => elementary::Atan2::usual(self.0, other.0),
-        })
+        Self(elementary::Atan2::usual(self.0, other.0))
     }
     /// Unknown if either is.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn min(self, other: Self) -> Self {
-        Self::select(KnownTruth::of(true, self, other), Self(self.0.min(other.0)), self)
+        Self::select(KnownTruth::of(true, self, other), Self(Scalar::min(self.0, other.0)), self)
     }
     /// Unknown if either is.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn max(self, other: Self) -> Self {
-        Self::select(KnownTruth::of(true, self, other), Self(self.0.max(other.0)), self)
+        Self::select(KnownTruth::of(true, self, other), Self(Scalar::max(self.0, other.0)), self)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
