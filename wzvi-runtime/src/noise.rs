@@ -20,6 +20,7 @@
 //! # Ok::<(), wzvi_runtime::noise::NoiseError>(())
 //! ```
 
+pub(crate) mod blocks;
 mod bridge;
 mod cursor;
 mod grid;

@@ -103,8 +103,9 @@ pub(super) fn unless_lost(statistics: Statistics, allowed: f64) -> Result<Statis
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::blocks::draw_lanes;
     use crate::noise::random;
-    use crate::noise::step_normals::normals;
+    use crate::noise::step_normals::STEPS;
     use crate::statistics::{RecordedNodes, Seen};
 
     /// Normals and uniform numbers, ten of the one or sixteen of the other from a block.
@@ -117,6 +118,13 @@ mod tests {
         fn words(&mut self) -> [u32; 16] {
             self.block += 1;
             random::block(&self.key, 0, self.block)
+        }
+
+        fn normals(&mut self) -> [f64; STEPS] {
+            self.block += 1;
+            let mut drawn = [[0.0]; STEPS];
+            draw_lanes(|_| (self.key, 0, self.block), &mut drawn);
+            drawn.map(|[normal]| normal)
         }
     }
 
@@ -153,9 +161,9 @@ mod tests {
             to.extend(draws.words().map(|word| f64::from(u8::from(f64::from(word) < 1e-3 * 2f64.powi(32)))));
         };
         let heavy = |draws: &mut Draws, to: &mut Vec<f64>| {
-            to.extend(normals(&draws.words()).map(|x| (2.0 * x).exp()));
+            to.extend(draws.normals().map(|x| (2.0 * x).exp()));
         };
-        let normal = |draws: &mut Draws, to: &mut Vec<f64>| to.extend(normals(&draws.words()));
+        let normal = |draws: &mut Draws, to: &mut Vec<f64>| to.extend(draws.normals());
         type Sampler<'s> = &'s dyn Fn(&mut Draws, &mut Vec<f64>);
         let e2 = 2f64.exp();
         let cases: [(&str, Sampler<'_>, f64, f64); 4] = [

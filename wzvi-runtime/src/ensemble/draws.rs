@@ -1,12 +1,10 @@
 //! The normals of many paths beside each other ([`StepNormals`](crate::noise::StepNormals)): one for every
 //! (seed, step size, process, path, step).
 
-#![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
-
 use std::ops::Range;
 
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-use crate::noise::random::{self, pair};
+use crate::noise::blocks::{BlockKey, draw_lanes};
 pub(crate) use crate::noise::step_normals::STEPS;
 use crate::noise::step_normals::{key, of_process};
 
@@ -108,31 +106,9 @@ pub(crate) fn normals_at<const L: usize>(
     }
 }
 
-/// A key, a path and a block of its steps.
-type BlockKey = ([u32; 8], u64, u64);
-
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn with_key(key: &[u32; 8], (path, block): (u64, u64)) -> BlockKey {
     (*key, path, block)
-}
-
-/// The normals of an address for each lane, all at once.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn draw_lanes<const L: usize>(address: impl Fn(u64) -> BlockKey, to: &mut [[f64; L]; STEPS]) {
-    let mut words = [[0; L]; 16];
-    for i in 0..L {
-        let (key, path, block) = address(i as u64);
-        let block = random::block(&key, path, block);
-        for w in 0..16 {
-            words[w][i] = block[w];
-        }
-    }
-    for k in 0..STEPS / 2 {
-        for i in 0..L {
-            [to[2 * k][i], to[2 * k + 1][i]] =
-                pair([words[3 * k][i], words[3 * k + 1][i], words[3 * k + 2][i]]);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -160,6 +136,37 @@ mod tests {
                 let mut dw = [0.0; 2];
                 noise.increments(&Interval { start: 0.0, h, step: 30 + k as u64 }, &mut dw).unwrap();
                 assert_eq!(dw[1], wide[k][first] * h.sqrt());
+            }
+        }
+    }
+
+    /// A path that goes from step to step has blocks ahead, of all processes: the same normals, from any start,
+    /// after jumps, with other numbers of processes, negated and truncated.
+    #[test]
+    fn a_path_has_the_normals_of_lanes() {
+        let (h, seed, path) = (0.05, 5, 13);
+        for (processes, is_antithetic) in
+            [(1, false), (3, true), (8, false), (9, false), (40, true), (300, false)]
+        {
+            let noise = StepNormals::seed(seed).path(path).truncated(1.0);
+            let mut noise = if is_antithetic { noise.antithetic() } else { noise };
+            let (sign, stream) = if is_antithetic { (-1.0, path / 2) } else { (1.0, path) };
+            let clip = crate::noise::clip_bound(h, 1.0);
+            let drawn: Vec<Normals> = (0..processes).map(|process| Normals::new(seed, process, h)).collect();
+            let mut dw = vec![0.0; processes as usize];
+            for step in (0..230).chain([1000, 3, 7, 12]).chain(995..1025) {
+                noise.increments(&Interval { start: 0.0, h, step }, &mut dw).unwrap();
+                for (drawn, dw) in drawn.iter().zip(&dw) {
+                    let normal = drawn.of_path(stream, step / 10)[step as usize % 10];
+                    let expected = (sign * normal).clamp(-clip, clip) * h.sqrt();
+                    assert_eq!(dw.to_bits(), expected.to_bits(), "{processes} processes, step {step}");
+                }
+                // Fewer processes in between.
+                if step == 57 && processes > 1 {
+                    let mut first = [0.0];
+                    noise.increments(&Interval { start: 0.0, h, step }, &mut first).unwrap();
+                    assert_eq!(first[0], dw[0]);
+                }
             }
         }
     }

@@ -6,6 +6,7 @@ use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
 use crate::error::InternalError;
 use crate::increments::{Interval, NoiseError};
+use crate::noise::blocks::increment;
 use crate::noise::step_normals::{place, place_of};
 use crate::noise::{Paths, StepNormals};
 
@@ -141,7 +142,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
                     normals(key, self.path, blocks.of(step), &mut drawn);
                     for (step, drawn) in drawn.iter().enumerate() {
                         self.values[step * processes + process] =
-                            increment(Lanes::new(*drawn), self.clip, self.deviation);
+                            increment(*drawn, self.clip, self.deviation);
                     }
                     if let Some(kept) = kept.get_mut(process) {
                         *kept = drawn;
@@ -180,7 +181,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
             let (clip, deviation) = (source.clip(h), h.abs().sqrt());
             for (process, to) in (0..).zip(self.of_mut(step)) {
                 normals(&noise.key(process, h), path, block, &mut drawn);
-                *to = increment(Lanes::new(drawn[place]), clip, deviation);
+                *to = increment(drawn[place], clip, deviation);
             }
             return Ok(());
         }
@@ -207,7 +208,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
             let end = self.processes.min(first + PROCESSES_AT_ONCE);
             normals_of_processes(key, first as u64, (self.path, block), &mut drawn);
             for (row, drawn) in values.chunks_exact_mut(self.processes).zip(&drawn) {
-                let drawn = increment(Lanes::new(*drawn), self.clip, self.deviation).to_array();
+                let drawn = increment(*drawn, self.clip, self.deviation).to_array();
                 row[first..end].copy_from_slice(&drawn[..end - first]);
             }
         }
@@ -268,7 +269,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn drive(&mut self, process: usize, step: u64, normals: Lanes<L>) {
         let place = self.blocks.slot(step) * self.processes + process;
-        self.values[place] = increment(normals, self.clip, self.deviation);
+        self.values[place] = increment(normals.to_array(), self.clip, self.deviation);
     }
 
     /// The increments of a step that has been drawn, by process.
@@ -318,17 +319,4 @@ fn check_finite(step: u64, dw: &[f64]) -> Result<(), NoiseError> {
         Some(process) => Err(NoiseError::NonFinite { step, process, value: dw[process] }),
         None => Ok(()),
     }
-}
-
-/// Increments from standard normals: truncated, times `√|h|`.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn increment<const L: usize>(normals: Lanes<L>, clip: f64, deviation: f64) -> Lanes<L> {
-    let mut dw = normals.to_array();
-    for dw in &mut dw {
-        // As `clamp`, which takes more instructions because of NaN.
-        let z = if *dw < clip { *dw } else { clip };
-        let z = if z > -clip { z } else { -clip };
-        *dw = z * deviation;
-    }
-    Lanes::new(dw)
 }

@@ -25,6 +25,7 @@
 //!
 //! Tested by `wzvi-runtime/tests/runtime/ensemble_law.rs` and `tests/ensembles/continued.rs`.
 
+use super::blocks::{PathBlocks, PathSource};
 use super::random::{self, pair};
 use super::truncation::{Truncation, truncation_setters};
 use super::wiener::check_step;
@@ -104,16 +105,6 @@ pub(crate) fn of_process(key: &[u32; 8], process: u64) -> [u32; 8] {
     [a, b, process as u32, (process >> 32) as u32, e, f, g, h]
 }
 
-/// The normals of a block of random words.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn normals(words: &[u32; 16]) -> [f64; STEPS] {
-    let mut to = [0.0; STEPS];
-    for k in 0..STEPS / 2 {
-        [to[2 * k], to[2 * k + 1]] = pair([words[3 * k], words[3 * k + 1], words[3 * k + 2]]);
-    }
-    to
-}
-
 /// The normal of a cut: `key` is that of the uncut steps, `halving` counts from 1, and
 /// `cut < 2^{halving - 1}` within its step.
 fn cut_normal(mut key: [u32; 8], path: u64, step: i64, halving: u32, cut: u64) -> f64 {
@@ -159,22 +150,8 @@ pub struct StepNormals {
     h: Option<f64>,
     /// The run of the last request.
     numbered: StepNumber,
-    /// The last block of each process.
-    drawn: Vec<CachedBlock>,
-}
-
-/// A block of normals.
-#[derive(Clone, Copy, Debug)]
-struct CachedBlock {
-    block: u64,
-    /// The bits of the step size.
-    h: u64,
-    normals: [f64; STEPS],
-}
-
-impl CachedBlock {
-    /// An empty cache entry: no step has the size 0.
-    const NOTHING: Self = Self { block: 0, h: 0, normals: [0.0; STEPS] };
+    /// The increments of the last blocks.
+    drawn: PathBlocks,
 }
 
 impl StepNormals {
@@ -189,7 +166,7 @@ impl StepNormals {
             truncates: false,
             h: None,
             numbered: StepNumber::NOTHING,
-            drawn: Vec::new(),
+            drawn: PathBlocks::default(),
         }
     }
 
@@ -206,7 +183,7 @@ impl StepNormals {
         self
     }
 
-    truncation_setters!(|noise, truncation| Self { truncation, ..noise });
+    truncation_setters!(|noise: Self, truncation| noise.with_truncation(truncation));
 
     /// The truncation that is set.
     pub fn truncation(&self) -> Truncation {
@@ -217,6 +194,7 @@ impl StepNormals {
     pub(crate) fn with_truncation(mut self, truncation: Truncation) -> Self {
         if truncation != Truncation::Unset {
             self.truncation = truncation;
+            self.drawn.clear();
         }
         self
     }
@@ -266,31 +244,30 @@ impl StepNormals {
         self.numbered.first
     }
 
-    /// The normal of a whole step of size `h`, before truncation.
+    /// Sets the increments of a whole step of size `h`, which is at this place of a block.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn normal(&mut self, process: usize, h: f64, step: i64) -> f64 {
-        if self.drawn.len() <= process {
-            self.drawn.resize(process + 1, CachedBlock::NOTHING);
+    fn whole(&mut self, h: f64, (block, place): (u64, usize), dw: &mut [f64]) {
+        if !self.drawn.has(dw.len(), h, block) {
+            self.draw(dw.len(), h, block);
         }
-        let (block, place) = place(step);
-        let (key, stream, sign) = (self.key(process as u64, h), self.stream(), self.sign());
-        let drawn = &mut self.drawn[process];
-        if (drawn.block, drawn.h) != (block, h.to_bits()) {
-            *drawn =
-                CachedBlock { block, h: h.to_bits(), normals: normals(&random::block(&key, stream, block)) };
-        }
-        sign * drawn.normals[place]
+        dw.iter_mut().zip(self.drawn.row((block, place))).for_each(|(to, from)| *to = *from);
+    }
+
+    #[inline(never)]
+    fn draw(&mut self, processes: usize, h: f64, block: u64) {
+        let (key, stream, clip) = (self.key(0, h), self.stream(), self.clip(h));
+        let source = PathSource { key, stream, clip, deviation: self.sign() * h.abs().sqrt() };
+        self.drawn.draw(processes, h, block, &source);
     }
 
     fn sign(&self) -> f64 {
         if self.is_antithetic && self.path % 2 == 1 { -1.0 } else { 1.0 }
     }
 
-    /// The increment over the first part of a step, a fraction between 0 and 1 of it: by the halves that
-    /// [`StepNormals::part`] has, to `2^-30` of the step, and linear in between.
-    fn until(&mut self, process: usize, h: f64, step: i64, fraction: f64) -> f64 {
-        let bound = self.clip(h);
-        let mut dw = self.normal(process, h, step).clamp(-bound, bound) * h.abs().sqrt();
+    /// The increment over the first part of a step with the increment `whole`, a fraction between 0 and 1 of
+    /// it: by the halves that [`StepNormals::part`] has, to `2^-30` of the step, and linear in between.
+    fn until(&self, whole: f64, process: usize, h: f64, step: i64, fraction: f64) -> f64 {
+        let mut dw = whole;
         let (key, stream, sign) = (self.key(process as u64, h), self.stream(), self.sign());
         let (mut before, mut cut, mut fraction) = (0.0, 0, fraction);
         for halving in 1..=RESOLVED {
@@ -321,10 +298,9 @@ impl StepNormals {
         }
     }
 
-    /// The increment of part `part` of `2^halvings` of a step.
-    fn part(&mut self, process: usize, h: f64, step: i64, halvings: u32, part: u64) -> f64 {
-        let bound = self.clip(h);
-        let mut dw = self.normal(process, h, step).clamp(-bound, bound) * h.abs().sqrt();
+    /// The increment of part `part` of `2^halvings` of a step with the increment `whole`.
+    fn part(&self, whole: f64, process: usize, h: f64, step: i64, halvings: u32, part: u64) -> f64 {
+        let mut dw = whole;
         let (key, stream, sign) = (self.key(process as u64, h), self.stream(), self.sign());
         for halving in 1..=halvings {
             let cut = part >> (halvings - halving + 1);
@@ -359,8 +335,11 @@ impl Noise for StepNormals {
         };
         let (step, part) = (interval.step >> halvings, interval.step & ((1 << halvings) - 1));
         let step = self.first_of(interval.start, h)?.wrapping_add_unsigned(step);
-        for (process, dw) in dw.iter_mut().enumerate() {
-            *dw = self.part(process, h, step, halvings, part);
+        self.whole(h, place(step), dw);
+        if halvings > 0 {
+            for (process, dw) in dw.iter_mut().enumerate() {
+                *dw = self.part(*dw, process, h, step, halvings, part);
+            }
         }
         Ok(())
     }
@@ -369,12 +348,7 @@ impl Noise for StepNormals {
     fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(h)?;
         self.truncation.check()?;
-        let (block, place) = place_of(interval.begin(), h)?;
-        let (bound, scale) = (self.clip(h), self.sign() * h.abs().sqrt());
-        for (process, dw) in dw.iter_mut().enumerate() {
-            let drawn = normals(&random::block(&self.key(process as u64, h), self.stream(), block));
-            *dw = scale * drawn[place].clamp(-bound, bound);
-        }
+        self.whole(h, place_of(interval.begin(), h)?, dw);
         Ok(())
     }
 
@@ -389,8 +363,9 @@ impl Noise for StepNormals {
         check_step(h)?;
         self.truncation.check()?;
         let step = self.number_of(interval, h)?;
+        self.whole(h, place(step), dw);
         for (process, dw) in dw.iter_mut().enumerate() {
-            *dw = self.until(process, h, step, to) - self.until(process, h, step, from);
+            *dw = self.until(*dw, process, h, step, to) - self.until(*dw, process, h, step, from);
         }
         Ok(())
     }
