@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p wzvi-runtime --example noise_cost`
 
+#![allow(clippy::disallowed_methods, reason = "powers of two are exact")]
+
 use std::f64::consts::PI;
 use std::time::Instant;
 
