@@ -195,7 +195,7 @@ fn equations_and_facts_name_the_points() {
     for line in [
         "quadrature points and weights: (0, 1/6), (1/2, 2/3), (1, 1/6); Σ w l = 1/2, symmetric",
         "order 2, as Σ w l of the drift is 1/2",
-        "q_{i+1/2} = Δq/2 + q_i",
+        "q_{i+1/2} = q_i + Δq/2",
     ] {
         assert!(text.contains(line), "{line} is not in\n{text}");
     }

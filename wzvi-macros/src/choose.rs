@@ -78,7 +78,7 @@ impl Choice {
 }
 
 /// Chooses the forms of the listed schemes.
-pub(crate) fn choose(system: &System, listed: &[Embedding]) -> Choice {
+pub(crate) fn choose(system: &mut System, listed: &[Embedding]) -> Choice {
     let Some(sketch) = Sketch::of(system) else { return Choice::all(Form::Loops) };
     let of = |is_straight: bool| if is_straight { Form::StraightLines } else { Form::Loops };
     let adds_at_most = |most: usize| sketch.operations <= sketch.in_loops + most;
@@ -134,10 +134,8 @@ struct Sketch {
 impl Sketch {
     /// `None` if the size or a place is known at run time only, or if elements have more than
     /// [`MOST_PLACEMENTS`].
-    fn of(system: &System) -> Option<Self> {
+    fn of(system: &mut System) -> Option<Self> {
         let points = system.size.as_integer()?;
-        // In a copy: the order of products in the code is that in which their nodes were made.
-        let system = &mut system.clone();
         let degrees = usize::try_from(points.checked_mul(system.components)?).ok()?;
         let has_phase = !system.symbols.phase()[0].is_empty();
         let [drift, noise] = sketched(system).filter(|_| has_phase)?;
@@ -402,7 +400,7 @@ mod tests {
     /// The blocks that the equations have, and those of the sketch.
     fn blocks(attribute: &str) -> Vec<[usize; 2]> {
         let mut system = lowered(attribute);
-        let (steps, sketch) = (listed(&system), Sketch::of(&system).unwrap());
+        let (steps, sketch) = (listed(&system), Sketch::of(&mut system).unwrap());
         system.form = Form::StraightLines;
         unroll(&mut system);
         let mut diagnostics = Diagnostics::new();
@@ -475,8 +473,9 @@ mod tests {
                          embedding = [Midpoint, Verlet]";
         use Form::{Loops, StraightLines};
         let forms = |attribute: &str| {
-            let system = lowered(attribute);
-            let choice = choose(&system, &listed(&system));
+            let mut system = lowered(attribute);
+            let embeddings = listed(&system);
+            let choice = choose(&mut system, &embeddings);
             [choice.of(&Embedding::Midpoint), choice.slopes, choice.elements]
         };
         assert_eq!(forms(&chain(6)), [StraightLines; 3]);

@@ -90,11 +90,15 @@ fn compile(
     stubs.degrees = phase_space.degrees();
 
     // lower
-    let mut system = lower(container, declaration, &phase_space, diagnostics)?;
+    let system = lower(container, declaration, &phase_space, diagnostics)?;
+    expand_lowered(system, diagnostics)
+}
 
+/// The passes after the user's program is read. `None` only after an error was reported.
+fn expand_lowered(mut system: System, diagnostics: &mut Diagnostics) -> Option<Expansion> {
     // choose
     let listed = values(&system.embeddings);
-    let choice = choose(&system, &listed);
+    let choice = choose(&mut system, &listed);
     (system.form, system.slopes) = (choice.elements, choice.slopes);
 
     // analyse
@@ -159,3 +163,5 @@ mod effort_tests;
 mod golden_tests;
 #[cfg(test)]
 mod message_tests;
+#[cfg(test)]
+mod order_tests;

@@ -12,7 +12,7 @@ use wzvi::prelude::*;
 Baoab
 
 Hamiltonians
-  H0 = (py² + px²/m)/2 + (x - y)^4/4
+  H0 = (px²/m + py²)/2 + (x - y)^4/4
 
 Step
   kick of h/2:  p <- p - h/2 ∂V/∂q
@@ -88,7 +88,7 @@ const _: () = {
                     let py = at.p[1];
                     let difference = x - y;
                     let difference_squared = difference * difference;
-                    ((py * py + inverse_m * (px * px)) * 0.5
+                    ((inverse_m * (px * px) + py * py) * 0.5
                         + difference_squared * difference_squared * 0.25)
                         * S::of_constant(at.h)
                 }
@@ -205,7 +205,7 @@ const _: () = {
     impl Discretized<Baoab> for Heated {
         type Scheme = Splitting<Baoab>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Baoab\n\nHamiltonians\n  H0 = (py² + px²/m)/2 + (x - y)^4/4\n\nStep\n  kick of h/2:  p <- p - h/2 ∂V/∂q\n  drift of h/2:  q <- q + h/2 M⁻¹ p\n  friction and noise of h: p <- E p + R ξ, E = exp(-h Γ M⁻¹), R Rᵀ = kT (M - E M Eᵀ)\n  drift of h/2:  q <- q + h/2 M⁻¹ p\n  kick of h/2:  p <- p - h/2 ∂V/∂q\n  driven by the increments of the noises, then √h times the normals ξ of each part with friction\n  a free particle diffuses with D = kT/(m γ) (γh/2) coth(γh/2), too fast by (γh)²/12, and so is a slow passage where friction is large; Gjf has it right\n\nFacts\n  H0 is not a first integral\n";
+        const EQUATIONS: &'static str = "Baoab\n\nHamiltonians\n  H0 = (px²/m + py²)/2 + (x - y)^4/4\n\nStep\n  kick of h/2:  p <- p - h/2 ∂V/∂q\n  drift of h/2:  q <- q + h/2 M⁻¹ p\n  friction and noise of h: p <- E p + R ξ, E = exp(-h Γ M⁻¹), R Rᵀ = kT (M - E M Eᵀ)\n  drift of h/2:  q <- q + h/2 M⁻¹ p\n  kick of h/2:  p <- p - h/2 ∂V/∂q\n  driven by the increments of the noises, then √h times the normals ξ of each part with friction\n  a free particle diffuses with D = kT/(m γ) (γh/2) coth(γh/2), too fast by (γh)²/12, and so is a slow passage where friction is large; Gjf has it right\n\nFacts\n  H0 is not a first integral\n";
     }
     wzvi::bindings! {
         at by_p by_q coordinates difference difference_squared factor gamma h increments

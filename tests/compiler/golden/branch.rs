@@ -12,15 +12,15 @@ use wzvi::prelude::*;
 Midpoint
 
 Hamiltonians
-  H0 = q²/2 + p²/2 + (if edge < q and 0 < stiffness then stiffness (q - edge)²/2 else 0)
+  H0 = p²/2 + q²/2 + (if edge < q and 0 < stiffness then stiffness (q - edge)²/2 else 0)
 
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P Δq - h (q_{i+1/2}²/2 + P²/2 + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge)²/2 else 0))
+  L_d = P Δq - h (P²/2 + q_{i+1/2}²/2 + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge)²/2 else 0))
   Δq = q_{i+1} - q_i
-  q_{i+1/2} = Δq/2 + q_i
+  q_{i+1/2} = q_i + Δq/2
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = P h
+  ∂L_d/∂P = 0:  Δq = h P
   p_i = -D1 L_d:  P = p_i + δp,  δp = -h (q_{i+1/2} + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge) else 0))/2
   p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp
 
@@ -84,7 +84,7 @@ const _: () = {
                             & <<S as Scalar>::Mask as Mask>::from_bool(condition),
                         half_stiffness * (difference * difference),
                         S::from_f64(0.0),
-                    ) + (q * q * 0.5 + p * p * 0.5)) * S::of_constant(at.h)
+                    ) + (p * p * 0.5 + q * q * 0.5)) * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
             }
@@ -104,6 +104,11 @@ const _: () = {
             let stiffness = at.parameter(1, self.stiffness);
             match part {
                 0 => {
+                    if partials.by_p {
+                        let factor = T::of_constant(at.h);
+                        let p = T::of(at.p[0]);
+                        by_p.add(0, p * factor);
+                    }
                     if partials.by_q {
                         let condition = Scalar::less(
                             <T::Constant as Scalar>::from_f64(0.0),
@@ -124,11 +129,6 @@ const _: () = {
                                         T::from_f64(0.0),
                                     )),
                         );
-                    }
-                    if partials.by_p {
-                        let factor = T::of_constant(at.h);
-                        let p = T::of(at.p[0]);
-                        by_p.add(0, p * factor);
                     }
                 }
                 _ => {}
@@ -252,7 +252,7 @@ const _: () = {
     impl Discretized<Midpoint> for Wall {
         type Scheme = Straight<Midpoint, 1, 0>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = q²/2 + p²/2 + (if edge < q and 0 < stiffness then stiffness (q - edge)²/2 else 0)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_{i+1/2}²/2 + P²/2 + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge)²/2 else 0))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (q_{i+1/2} + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge) else 0))/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²) between the boundaries of its branches\n  where q = edge, H0 is continuous, its slope, too: steps have at most order 2 across, unless second derivatives are continuous\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 + q²/2 + (if edge < q and 0 < stiffness then stiffness (q - edge)²/2 else 0)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 + q_{i+1/2}²/2 + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge)²/2 else 0))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = q_i + Δq/2\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h P\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (q_{i+1/2} + (if edge < q_{i+1/2} and 0 < stiffness then stiffness (q_{i+1/2} - edge) else 0))/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²) between the boundaries of its branches\n  where q = edge, H0 is continuous, its slope, too: steps have at most order 2 across, unless second derivatives are continuous\n";
     }
     #[automatically_derived]
     impl Conservative for Wall {}

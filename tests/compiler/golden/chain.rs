@@ -12,7 +12,7 @@ use wzvi::prelude::*;
 Midpoint
 
 Hamiltonians
-  H0 = beta q[0]^4/4 + q[0]²/2 + Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2]
+  H0 = q[0]²/2 + beta q[0]^4/4 + Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [(q[i + 1] - q[i])²/2 + beta (q[i + 1] - q[i])^4/4]
 
 Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
   L_d = P · Δq - h H0(P, q_{1/2})
@@ -187,7 +187,7 @@ const _: () = {
                         let factor = T::of_constant(at.h);
                         if by_q.clip::<1, _>(1, [0]).1 > 0 {
                             let q0 = T::of(at.q[0]);
-                            by_q.add(0, factor * (q0 * (beta * (q0 * q0) + 1.0)));
+                            by_q.add(0, (beta * (q0 * q0) + 1.0) * (q0 * factor));
                         }
                     }
                 }
@@ -276,7 +276,7 @@ const _: () = {
     impl Discretized<Midpoint> for Chain {
         type Scheme = Loops<Midpoint>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = beta q[0]^4/4 + q[0]²/2 + Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q_{1/2})\n  p = -D1 L_d:  P = p + v,  v = -1/2 h ∂H0/∂q(P, q_{1/2})\n  p' = D2 L_d:  p' = P - 1/2 h ∂H0/∂q(P, q_{1/2})\n  with these contributions to the slopes\n    ∂H0/∂p[i] += p[i]   for i=0..n - 1\n    ∂H0/∂q[i + 1] += q[i + 1] - q[i] + beta (q[i + 1] - q[i])³   for i=0..n - 2\n    ∂H0/∂q[i] += q[i] - q[i + 1] - beta (q[i + 1] - q[i])³   for i=0..n - 2\n    ∂H0/∂q[0] += q[0] + beta q[0]³\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]\n    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = q[0]²/2 + beta q[0]^4/4 + Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [(q[i + 1] - q[i])²/2 + beta (q[i + 1] - q[i])^4/4]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q_{1/2})\n  p = -D1 L_d:  P = p + v,  v = -1/2 h ∂H0/∂q(P, q_{1/2})\n  p' = D2 L_d:  p' = P - 1/2 h ∂H0/∂q(P, q_{1/2})\n  with these contributions to the slopes\n    ∂H0/∂p[i] += p[i]   for i=0..n - 1\n    ∂H0/∂q[i + 1] += q[i + 1] - q[i] + beta (q[i + 1] - q[i])³   for i=0..n - 2\n    ∂H0/∂q[i] += q[i] - q[i + 1] - beta (q[i + 1] - q[i])³   for i=0..n - 2\n    ∂H0/∂q[0] += q[0] + beta q[0]³\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]\n    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]\n";
         const IN_LOOPS: Option<InLoops> = Some(InLoops {
             order: 2,
             is_consistent: true,

@@ -12,16 +12,16 @@ use wzvi::prelude::*;
 Corrected<DeltaPlus>
 
 Hamiltonians
-  H0 = q²/2 + p²/2
-  H1 = q p sigma
+  H0 = p²/2 + q²/2
+  H1 = sigma q p
 
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2
+  L_d = P Δq - h (P²/2 + q_i²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2
   Δq = q_{i+1} - q_i
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2
-  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2
+  ∂L_d/∂P = 0:  Δq = h P + sigma q_i ΔW + sigma² q_i ΔW²/2
+  p_i = -D1 L_d:  P = p_i + δp,  δp = -h q_i - sigma P ΔW - sigma² P ΔW²/2
   p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp
 
 Step
@@ -29,10 +29,10 @@ Step
   assign Δq
 
 Facts
-  converges to the Stratonovich system; D = q p sigma²/2
+  converges to the Stratonovich system; D = sigma² q p/2
   h → 0, then ε → 0: X_{ε,n} → X_ε → X
   ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving
-  {H1, H0} = q² sigma - p² sigma
+  {H1, H0} = sigma q² - sigma p²
   H0 is not a first integral
 
 ```
@@ -83,7 +83,7 @@ const _: () = {
                 0 => {
                     let q = at.q[0];
                     let p = at.p[0];
-                    (q * q + p * p) * 0.5 * S::of_constant(at.h)
+                    (p * p + q * q) * 0.5 * S::of_constant(at.h)
                 }
                 1 if at.acting.contains(&0) => {
                     let sigma = S::of_constant(sigma);
@@ -114,15 +114,15 @@ const _: () = {
             let sigma = at.parameter(0, self.sigma);
             match part {
                 0 => {
-                    if partials.by_q {
-                        let factor = T::of_constant(at.h);
-                        let q = T::of(at.q[0]);
-                        by_q.add(0, q * factor);
-                    }
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
+                    }
+                    if partials.by_q {
+                        let factor = T::of_constant(at.h);
+                        let q = T::of(at.q[0]);
+                        by_q.add(0, q * factor);
                     }
                 }
                 1 if at.acting.contains(&0) => {
@@ -204,7 +204,7 @@ const _: () = {
     impl Discretized<Corrected<DeltaPlus>> for Multiplicative {
         type Scheme = Straight<Corrected<DeltaPlus>, 1, 1>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
+        const EQUATIONS: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = p²/2 + q²/2\n  H1 = sigma q p\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 + q_i²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h P + sigma q_i ΔW + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h q_i - sigma P ΔW - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = sigma² q p/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H1, H0} = sigma q² - sigma p²\n  H0 is not a first integral\n";
     }
     wzvi::bindings! {
         at by_p by_q carry coordinates delta_p delta_q dw factor h half_sigma increments

@@ -12,20 +12,20 @@ use wzvi::prelude::*;
 Verlet
 
 Hamiltonians
-  H0 = q² omega²/2 + p²/2 + q³ epsilon cos(t)
-  H_A = q² omega²/2 + p²/2, a part of H0
-  H_B = q³ epsilon cos(t), a part of H0
+  H0 = p²/2 + omega² q²/2 + epsilon q³ cos(t)
+  H_A = p²/2 + omega² q²/2, a part of H0
+  H_B = epsilon q³ cos(t), a part of H0
 
 A step of size h is two of size h/2, with half of the increments each:
 
 DeltaPlus
 
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P Δq - h (omega² q_i²/2 + P²/2 + epsilon q_i³ cos(t_i))
+  L_d = P Δq - h (P²/2 + omega² q_i²/2 + epsilon q_i³ cos(t_i))
   Δq = q_{i+1} - q_i
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = P h
+  ∂L_d/∂P = 0:  Δq = h P
   p_i = -D1 L_d:  P = p_i + δp,  δp = -h (omega² q_i + 3 epsilon q_i² cos(t_i))
   p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp
 
@@ -36,12 +36,12 @@ Step
 DeltaMinus
 
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P Δq - h (omega² q_{i+1}²/2 + P²/2 + epsilon q_{i+1}³ cos(t_{i+1}))
+  L_d = P Δq - h (P²/2 + omega² q_{i+1}²/2 + epsilon q_{i+1}³ cos(t_{i+1}))
   Δq = q_{i+1} - q_i
-  q_{i+1} = Δq + q_i
+  q_{i+1} = q_i + Δq
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = P h
+  ∂L_d/∂P = 0:  Δq = h P
   p_i = -D1 L_d:  P = p_i + δp,  δp = 0
   p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp - h (omega² q_{i+1} + 3 epsilon q_{i+1}² cos(t_{i+1}))
 
@@ -115,7 +115,7 @@ const _: () = {
                     let omega_squared = S::of_constant(omega * omega);
                     let q = at.q[0];
                     let p = at.p[0];
-                    (omega_squared * (q * q) + p * p) * 0.5 * S::of_constant(at.h)
+                    (p * p + omega_squared * (q * q)) * 0.5 * S::of_constant(at.h)
                 }
                 4 => {
                     let product = S::of_constant(t.cos() * epsilon);
@@ -141,30 +141,30 @@ const _: () = {
             let t = at.t;
             match part {
                 0 => {
+                    if partials.by_p {
+                        let factor = T::of_constant(at.h);
+                        let p = T::of(at.p[0]);
+                        by_p.add(0, p * factor);
+                    }
                     if partials.by_q {
                         let omega_squared = T::of_constant(omega * omega);
                         let product = T::of_constant(epsilon * 3.0 * t.cos());
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
-                        by_q.add(0, factor * (q * (omega_squared + q * product)));
+                        by_q.add(0, (omega_squared + q * product) * (q * factor));
                     }
+                }
+                3 => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
                     }
-                }
-                3 => {
                     if partials.by_q {
                         let omega_squared = T::of_constant(omega * omega);
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
                         by_q.add(0, omega_squared * (q * factor));
-                    }
-                    if partials.by_p {
-                        let factor = T::of_constant(at.h);
-                        let p = T::of(at.p[0]);
-                        by_p.add(0, p * factor);
                     }
                 }
                 4 => {
@@ -218,7 +218,7 @@ const _: () = {
             };
             if BY_Q {
                 by_q.copy_from_slice(
-                    &[h * (q * (q * t.cos() * (epsilon * 3.0) + omega * omega))],
+                    &[(q * t.cos() * (epsilon * 3.0) + omega * omega) * (q * h)],
                 );
             }
             if BY_P {
@@ -230,7 +230,7 @@ const _: () = {
     impl Discretized<Verlet> for Perturbed {
         type Scheme = WholeOf<Self, Verlet>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Verlet\n\nHamiltonians\n  H0 = q² omega²/2 + p²/2 + q³ epsilon cos(t)\n  H_A = q² omega²/2 + p²/2, a part of H0\n  H_B = q³ epsilon cos(t), a part of H0\n\nA step of size h is two of size h/2, with half of the increments each:\n\nDeltaPlus\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (omega² q_i²/2 + P²/2 + epsilon q_i³ cos(t_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (omega² q_i + 3 epsilon q_i² cos(t_i))\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nDeltaMinus\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (omega² q_{i+1}²/2 + P²/2 + epsilon q_{i+1}³ cos(t_{i+1}))\n  Δq = q_{i+1} - q_i\n  q_{i+1} = Δq + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = 0\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp - h (omega² q_{i+1} + 3 epsilon q_{i+1}² cos(t_{i+1}))\n\nStep\n  assign δp\n  assign Δq\n\nStep, by the flows of H = T(p) + V(q), which are exact\n  kick of h/2 at t:      p <- p - h/2 ∂V/∂q\n  drift of h:            q <- q + h ∂T/∂p\n  kick of h/2 at t + h:  p <- p - h/2 ∂V/∂q, whose force is that of the first kick of the next step\n  (in compositions drifts and kicks that meet are one)\n\nFacts\n  H0 is not a first integral\n";
+        const EQUATIONS: &'static str = "Verlet\n\nHamiltonians\n  H0 = p²/2 + omega² q²/2 + epsilon q³ cos(t)\n  H_A = p²/2 + omega² q²/2, a part of H0\n  H_B = epsilon q³ cos(t), a part of H0\n\nA step of size h is two of size h/2, with half of the increments each:\n\nDeltaPlus\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 + omega² q_i²/2 + epsilon q_i³ cos(t_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h P\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (omega² q_i + 3 epsilon q_i² cos(t_i))\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nDeltaMinus\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 + omega² q_{i+1}²/2 + epsilon q_{i+1}³ cos(t_{i+1}))\n  Δq = q_{i+1} - q_i\n  q_{i+1} = q_i + Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h P\n  p_i = -D1 L_d:  P = p_i + δp,  δp = 0\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp - h (omega² q_{i+1} + 3 epsilon q_{i+1}² cos(t_{i+1}))\n\nStep\n  assign δp\n  assign Δq\n\nStep, by the flows of H = T(p) + V(q), which are exact\n  kick of h/2 at t:      p <- p - h/2 ∂V/∂q\n  drift of h:            q <- q + h ∂T/∂p\n  kick of h/2 at t + h:  p <- p - h/2 ∂V/∂q, whose force is that of the first kick of the next step\n  (in compositions drifts and kicks that meet are one)\n\nFacts\n  H0 is not a first integral\n";
     }
     wzvi::bindings! {
         at by_p by_q coordinates epsilon factor h increments index k lift momenta omega

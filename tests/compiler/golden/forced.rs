@@ -21,21 +21,21 @@ Friction
   γ = gamma
 
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P Δq - h exp(gamma h/2) (P²/(2 exp(gamma h/2)²) - cos(q_{i+1/2}))
+  L_d = P Δq - h exp(h gamma/2) (P²/(2 exp(h gamma/2)²) - cos(q_{i+1/2}))
   Δq = q_{i+1} - q_i
-  q_{i+1/2} = Δq/2 + q_i
+  q_{i+1/2} = q_i + Δq/2
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = h P/exp(gamma h/2)
-  p_i = -D1 L_d:  P = p_i + δp,  δp = push h exp(gamma h/2) cos(2 t_{i+1/2})/2 - h exp(gamma h/2) sin(q_{i+1/2})/2
-  p_{i+1} = D2 L_d:  p_{i+1} - p_i = push h exp(gamma h/2) cos(2 t_{i+1/2})/2 - h exp(gamma h/2) sin(q_{i+1/2})/2 + exp_m1(-gamma h) (P + push h exp(gamma h/2) cos(2 t_{i+1/2})/2 - h exp(gamma h/2) sin(q_{i+1/2})/2) + δp
+  ∂L_d/∂P = 0:  Δq = h P/exp(h gamma/2)
+  p_i = -D1 L_d:  P = p_i + δp,  δp = h push cos(2 t_{i+1/2}) exp(h gamma/2)/2 - h exp(h gamma/2) sin(q_{i+1/2})/2
+  p_{i+1} = D2 L_d:  p_{i+1} - p_i = h push cos(2 t_{i+1/2}) exp(h gamma/2)/2 + δp + exp_m1(-h gamma) (h push cos(2 t_{i+1/2}) exp(h gamma/2)/2 + P - h exp(h gamma/2) sin(q_{i+1/2})/2) - h exp(h gamma/2) sin(q_{i+1/2})/2
 
 Step
   solve for δp: Newton (then Δq)
 
 Facts
-  F0 · ∂H0/∂p = p push cos(2 t)
-  friction takes from H0 per unit of time: p² gamma
+  F0 · ∂H0/∂p = push p cos(2 t)
+  friction takes from H0 per unit of time: gamma p²
   H0 is not a first integral
 
 ```
@@ -121,12 +121,6 @@ const _: () = {
             let scale = at.scale;
             match part {
                 0 => {
-                    if partials.by_q {
-                        let scale = T::of_constant(scale);
-                        let factor = T::of_constant(at.h);
-                        let q = T::of(at.q[0]);
-                        by_q.add(0, scale * (factor * q.sin()));
-                    }
                     if partials.by_p {
                         let inverse_scale = scale.recip();
                         let product = T::of_constant(
@@ -135,6 +129,12 @@ const _: () = {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, product * (p * factor));
+                    }
+                    if partials.by_q {
+                        let scale = T::of_constant(scale);
+                        let factor = T::of_constant(at.h);
+                        let q = T::of(at.q[0]);
+                        by_q.add(0, scale * (factor * q.sin()));
                     }
                 }
                 3 => {
@@ -203,8 +203,8 @@ const _: () = {
             if push.magnitude().is_nan() || gamma.magnitude().is_nan() {
                 return Err(ConfigError::Parameter);
             }
-            let exp = (gamma * 0.5 * h).exp();
             let half_h = h * 0.5;
+            let exp = (half_h * gamma).exp();
             Ok([
                 push,
                 half_h,
@@ -213,8 +213,8 @@ const _: () = {
                 h * h * 0.25,
                 h / exp,
                 (-(h * gamma)).exp_m1(),
-                push * 0.5 * h * exp,
-                half_h * exp,
+                half_h * push * exp,
+                exp * half_h,
             ])
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
@@ -254,9 +254,8 @@ const _: () = {
                 [
                     [delta_q],
                     [
-                        delta_p
-                            + ((node_p + (-sin_stage_q + product5) * product) * exp_m1
-                                - sin_stage_q * product4) + product3 * cos,
+                        delta_p + (node_p + (-sin_stage_q + product5) * product) * exp_m1
+                            - sin_stage_q * product4 + product3 * cos,
                     ],
                 ],
                 effort,
@@ -270,7 +269,7 @@ const _: () = {
     impl Discretized<Midpoint> for Driven {
         type Scheme = Straight<Midpoint, 1, 0>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - cos(q)\n\nForces\n  F0 = push cos(2 t)\n\nFriction\n  γ = gamma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h exp(gamma h/2) (P²/(2 exp(gamma h/2)²) - cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h P/exp(gamma h/2)\n  p_i = -D1 L_d:  P = p_i + δp,  δp = push h exp(gamma h/2) cos(2 t_{i+1/2})/2 - h exp(gamma h/2) sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = push h exp(gamma h/2) cos(2 t_{i+1/2})/2 - h exp(gamma h/2) sin(q_{i+1/2})/2 + exp_m1(-gamma h) (P + push h exp(gamma h/2) cos(2 t_{i+1/2})/2 - h exp(gamma h/2) sin(q_{i+1/2})/2) + δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  F0 · ∂H0/∂p = p push cos(2 t)\n  friction takes from H0 per unit of time: p² gamma\n  H0 is not a first integral\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - cos(q)\n\nForces\n  F0 = push cos(2 t)\n\nFriction\n  γ = gamma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h exp(h gamma/2) (P²/(2 exp(h gamma/2)²) - cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = q_i + Δq/2\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h P/exp(h gamma/2)\n  p_i = -D1 L_d:  P = p_i + δp,  δp = h push cos(2 t_{i+1/2}) exp(h gamma/2)/2 - h exp(h gamma/2) sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = h push cos(2 t_{i+1/2}) exp(h gamma/2)/2 + δp + exp_m1(-h gamma) (h push cos(2 t_{i+1/2}) exp(h gamma/2)/2 + P - h exp(h gamma/2) sin(q_{i+1/2})/2) - h exp(h gamma/2) sin(q_{i+1/2})/2\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  F0 · ∂H0/∂p = push p cos(2 t)\n  friction takes from H0 per unit of time: gamma p²\n  H0 is not a first integral\n";
     }
     wzvi::bindings! {
         at by_p by_q carry coordinates cos cos_stage_q delta_p delta_q effort exp exp_m1

@@ -12,7 +12,7 @@ use wzvi::prelude::*;
 DeltaPlus
 
 Hamiltonians
-  H0 = Σ_(i=0..N - 1) [(p[2 i + 1]² + p[2 i]²)/2] + Σ_(i=0..N - 1) [1 - cos(k (q[2 ((i + 1) mod N)] - q[2 i])) + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2]
+  H0 = Σ_(i=0..N - 1) [(p[2 i]² + p[2 i + 1]²)/2] + Σ_(i=0..N - 1) [1 + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))]
 
 Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
   L_d = P · Δq - h H0(P, q)
@@ -36,9 +36,9 @@ Step
 Facts
   H0 is a first integral: kept by the step nearly, within O(h)
   modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)
-    H_p·H_q = Σ_(i=0..N - 1) [k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) + p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1])]
-    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0])) + (q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])²]
-    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1])]
+    H_p·H_q = Σ_(i=0..N - 1) [p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1]) + k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0]))]
+    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [(q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])² + 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0]))]
+    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1]) + p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])))]
 
 ```
 */
@@ -106,7 +106,7 @@ const _: () = {
                             for place in 0..len {
                                 let p_2i = points0[place][0];
                                 let p_2i_plus_1 = points0[place][1];
-                                b0 = b0 + (p_2i_plus_1 * p_2i_plus_1 + p_2i * p_2i) * 0.5;
+                                b0 = b0 + (p_2i * p_2i + p_2i_plus_1 * p_2i_plus_1) * 0.5;
                             }
                         }
                         total = total + b0;
@@ -275,7 +275,7 @@ const _: () = {
     impl<const N: usize> Discretized<DeltaPlus> for Lattice<{ N }> {
         type Scheme = Loops<DeltaPlus>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..N - 1) [(p[2 i + 1]² + p[2 i]²)/2] + Σ_(i=0..N - 1) [1 - cos(k (q[2 ((i + 1) mod N)] - q[2 i])) + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q)\n  p = -D1 L_d:  P = p + v,  v = -h ∂H0/∂q(P, q)\n  p' = D2 L_d:  p' = P\n  with these contributions to the slopes\n    ∂H0/∂p[i][0] += p[i][0]   for i=0..N - 1\n    ∂H0/∂p[i][1] += p[i][1]   for i=0..N - 1\n    ∂H0/∂q[((i + 1) mod N)][0] += k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1\n    ∂H0/∂q[i][0] += -k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1\n    ∂H0/∂q[((i + 1) mod N)][1] += q[((i + 1) mod N)][1] - q[i][1]   for i=0..N - 1\n    ∂H0/∂q[i][1] += q[i][1] - q[((i + 1) mod N)][1]   for i=0..N - 1\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..N - 1) [k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) + p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1])]\n    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0])) + (q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])²]\n    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1])]\n";
+        const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..N - 1) [(p[2 i]² + p[2 i + 1]²)/2] + Σ_(i=0..N - 1) [1 + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q)\n  p = -D1 L_d:  P = p + v,  v = -h ∂H0/∂q(P, q)\n  p' = D2 L_d:  p' = P\n  with these contributions to the slopes\n    ∂H0/∂p[i][0] += p[i][0]   for i=0..N - 1\n    ∂H0/∂p[i][1] += p[i][1]   for i=0..N - 1\n    ∂H0/∂q[((i + 1) mod N)][0] += k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1\n    ∂H0/∂q[i][0] += -k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1\n    ∂H0/∂q[((i + 1) mod N)][1] += q[((i + 1) mod N)][1] - q[i][1]   for i=0..N - 1\n    ∂H0/∂q[i][1] += q[i][1] - q[((i + 1) mod N)][1]   for i=0..N - 1\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..N - 1) [p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1]) + k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0]))]\n    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [(q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])² + 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0]))]\n    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1]) + p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])))]\n";
         const IN_LOOPS: Option<InLoops> = Some(InLoops {
             order: 1,
             is_consistent: true,

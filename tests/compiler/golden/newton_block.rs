@@ -12,20 +12,20 @@ use wzvi::prelude::*;
 Midpoint
 
 Hamiltonians
-  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3
+  H0 = (px² + py² + x² + y²)/2 + x² y - y³/3
 
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy
+  L_d = P_{px} Δx + P_{py} Δy - h ((P_{px}² + P_{py}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3)
   Δx = x_{i+1} - x_i
   Δy = y_{i+1} - y_i
-  x_{i+1/2} = Δx/2 + x_i
-  y_{i+1/2} = Δy/2 + y_i
+  x_{i+1/2} = x_i + Δx/2
+  y_{i+1/2} = y_i + Δy/2
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h
+  ∂L_d/∂P_{px} = 0:  Δx = h P_{px}
   px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2
   px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx
-  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h
+  ∂L_d/∂P_{py} = 0:  Δy = h P_{py}
   py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2
   py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy
 
@@ -36,7 +36,7 @@ Facts
   H0 is a first integral: kept by the step nearly, within O(h²)
   modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)
     H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²
-    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))
+    H_qq(H_p,H_p) = px (2 x py + px (1 + 2 y)) + py (2 x px + py (1 - 2 y))
 
 ```
 */
@@ -84,7 +84,7 @@ const _: () = {
                     let x_squared = x * x;
                     let y_squared = y * y;
                     (y * (x_squared - y_squared * 0.3333333333333333)
-                        + (y_squared + (x_squared + (py * py + px * px))) * 0.5)
+                        + (y_squared + (x_squared + (px * px + py * py))) * 0.5)
                         * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
@@ -114,7 +114,7 @@ const _: () = {
                         let factor = T::of_constant(at.h);
                         let x = T::of(at.q[0]);
                         let y = T::of(at.q[1]);
-                        by_q.add(0, factor * (x * (y * 2.0 + 1.0)));
+                        by_q.add(0, (y * 2.0 + 1.0) * (x * factor));
                         by_q.add(1, factor * (y * (-y + 1.0) + x * x));
                     }
                 }
@@ -225,7 +225,7 @@ const _: () = {
     impl Discretized<Midpoint> for HenonHeiles {
         type Scheme = Straight<Midpoint, 2, 0>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (px² + py² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx + P_{py} Δy - h ((P_{px}² + P_{py}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3)\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = x_i + Δx/2\n  y_{i+1/2} = y_i + Δy/2\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = h P_{px}\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = h P_{py}\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (2 x py + px (1 + 2 y)) + py (2 x px + py (1 - 2 y))\n";
     }
     #[automatically_derived]
     impl Conservative for HenonHeiles {}

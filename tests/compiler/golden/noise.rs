@@ -16,13 +16,13 @@ Hamiltonians
   H1 = sigma (p² + q²)/2
 
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P Δq - a h (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2
+  L_d = P Δq - h a (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2
   Δq = q_{i+1} - q_i
-  q_{i+1/2} = Δq/2 + q_i
+  q_{i+1/2} = q_i + Δq/2
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW
-  p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2
+  ∂L_d/∂P = 0:  Δq = h a P + sigma P ΔW
+  p_i = -D1 L_d:  P = p_i + δp,  δp = (-h a q_{i+1/2} - sigma q_{i+1/2} ΔW)/2
   p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp
 
 Step
@@ -47,12 +47,12 @@ Hamiltonians
   H1 = sigma (p² + q²)/2
 
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2
+  L_d = P Δq - h a (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2
   Δq = q_{i+1} - q_i
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW
-  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW
+  ∂L_d/∂P = 0:  Δq = h a P + sigma P ΔW
+  p_i = -D1 L_d:  P = p_i + δp,  δp = -h a q_i - sigma q_i ΔW
   p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp
 
 Step
@@ -60,7 +60,7 @@ Step
   assign Δq
 
 Facts
-  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2
+  converges to another system, with drift Hamiltonian H0 - D; D = sigma² q p/2
   h → 0, then ε → 0: X_{ε,n} → X_ε → X
   ε → 0, then h → 0: X_{ε,n} → X_n → the system with H0 - D, not X: not asymptotically preserving
   {H1, H0} = 0
@@ -238,7 +238,7 @@ const _: () = {
     impl Discretized<Midpoint> for Kubo {
         type Scheme = Straight<Midpoint, 1, 1>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: linear (then Δq)\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H1, H0} = 0\n  H0 is a first integral: kept by the step to rounding\n  first integral p² + q²: kept by the step to rounding\n  each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h a (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = q_i + Δq/2\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h a P + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = (-h a q_{i+1/2} - sigma q_{i+1/2} ΔW)/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: linear (then Δq)\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H1, H0} = 0\n  H0 is a first integral: kept by the step to rounding\n  first integral p² + q²: kept by the step to rounding\n  each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one\n";
     }
     #[automatically_derived]
     impl StraightLine<Uncorrected<DeltaPlus>, 1, 1> for Kubo {
@@ -294,7 +294,7 @@ const _: () = {
     impl Discretized<Uncorrected<DeltaPlus>> for Kubo {
         type Scheme = Straight<Uncorrected<DeltaPlus>, 1, 1>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → the system with H0 - D, not X: not asymptotically preserving\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n  each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one\n";
+        const EQUATIONS: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h a (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h a P + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h a q_i - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = sigma² q p/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → the system with H0 - D, not X: not asymptotically preserving\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n  each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one\n";
     }
     wzvi::bindings! {
         a a_h at by_p by_q carry coordinates delta_p delta_q dw factor h half_a

@@ -12,7 +12,7 @@ use wzvi::prelude::*;
 Midpoint
 
 Hamiltonians
-  H0 = Σ_(i=0..n - 1) [(q[i]² + p[i]²)/2]
+  H0 = Σ_(i=0..n - 1) [(p[i]² + q[i]²)/2]
   H_k = Σ_(i=0..sites - 1) [sigma q[i]]
 
 Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
@@ -124,7 +124,7 @@ const _: () = {
                         for place in 0..len {
                             let p_i = s0[place];
                             let q_i = s1[place];
-                            b0 = b0 + (q_i * q_i + p_i * p_i) * 0.5;
+                            b0 = b0 + (p_i * p_i + q_i * q_i) * 0.5;
                         }
                     }
                     b0 * S::of_constant(at.h)
@@ -166,18 +166,6 @@ const _: () = {
             let size = at.degrees() as isize;
             match part {
                 0 => {
-                    if partials.by_q {
-                        let factor = T::of_constant(at.h);
-                        if let (i0, len @ 1..) = by_q.stretch::<1, _>(0, size, [0]) {
-                            let first0 = i0 as usize;
-                            let s0 = &at.q[first0..first0 + len];
-                            let mut b0 = by_q.run(first0, len);
-                            for place in 0..len {
-                                let q_i = T::of(s0[place]);
-                                b0.add(place, q_i * factor);
-                            }
-                        }
-                    }
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
@@ -187,6 +175,18 @@ const _: () = {
                             for place in 0..len {
                                 let p_i = T::of(s0[place]);
                                 b0.add(place, p_i * factor);
+                            }
+                        }
+                    }
+                    if partials.by_q {
+                        let factor = T::of_constant(at.h);
+                        if let (i0, len @ 1..) = by_q.stretch::<1, _>(0, size, [0]) {
+                            let first0 = i0 as usize;
+                            let s0 = &at.q[first0..first0 + len];
+                            let mut b0 = by_q.run(first0, len);
+                            for place in 0..len {
+                                let q_i = T::of(s0[place]);
+                                b0.add(place, q_i * factor);
                             }
                         }
                     }
@@ -229,20 +229,6 @@ const _: () = {
             let size = at.degrees() as isize;
             match part {
                 0 => {
-                    if partials.by_q {
-                        let factor = S::of_constant(at.h);
-                        if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
-                            for place in 0..len {
-                                let i0 = i0 + place as isize;
-                                into(
-                                    HessianBlock::QQ,
-                                    [i0 as usize, i0 as usize],
-                                    true,
-                                    factor,
-                                );
-                            }
-                        }
-                    }
                     if partials.by_p {
                         let factor = S::of_constant(at.h);
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
@@ -250,6 +236,20 @@ const _: () = {
                                 let i0 = i0 + place as isize;
                                 into(
                                     HessianBlock::PP,
+                                    [i0 as usize, i0 as usize],
+                                    true,
+                                    factor,
+                                );
+                            }
+                        }
+                    }
+                    if partials.by_q {
+                        let factor = S::of_constant(at.h);
+                        if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
+                            for place in 0..len {
+                                let i0 = i0 + place as isize;
+                                into(
+                                    HessianBlock::QQ,
                                     [i0 as usize, i0 as usize],
                                     true,
                                     factor,
@@ -266,7 +266,7 @@ const _: () = {
     impl Discretized<Midpoint> for Bath {
         type Scheme = Loops<Midpoint>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [(q[i]² + p[i]²)/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q_{1/2}) - H_W(P, q_{1/2})\n  H_W = Σ_k ΔW[k] H_k\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q_{1/2})\n  p = -D1 L_d:  P = p + v,  v = -1/2 h ∂H0/∂q(P, q_{1/2}) - 1/2 ∂H_W/∂q(P, q_{1/2})\n  p' = D2 L_d:  p' = P - 1/2 h ∂H0/∂q(P, q_{1/2}) - 1/2 ∂H_W/∂q(P, q_{1/2})\n  with these contributions to the slopes\n    ∂H0/∂p[i] += p[i]   for i=0..n - 1\n    ∂H0/∂q[i] += q[i]   for i=0..n - 1\n    ∂H_W/∂q[i] += sigma ΔW[i]   for i=0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [(p[i]² + q[i]²)/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q_{1/2}) - H_W(P, q_{1/2})\n  H_W = Σ_k ΔW[k] H_k\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q_{1/2})\n  p = -D1 L_d:  P = p + v,  v = -1/2 h ∂H0/∂q(P, q_{1/2}) - 1/2 ∂H_W/∂q(P, q_{1/2})\n  p' = D2 L_d:  p' = P - 1/2 h ∂H0/∂q(P, q_{1/2}) - 1/2 ∂H_W/∂q(P, q_{1/2})\n  with these contributions to the slopes\n    ∂H0/∂p[i] += p[i]   for i=0..n - 1\n    ∂H0/∂q[i] += q[i]   for i=0..n - 1\n    ∂H_W/∂q[i] += sigma ΔW[i]   for i=0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
         const IN_LOOPS: Option<InLoops> = Some(InLoops {
             order: 2,
             is_consistent: true,

@@ -12,21 +12,21 @@ use wzvi::prelude::*;
 Midpoint
 
 Hamiltonians
-  H0 = (py²/n + px²/m)/2 + k (y² + x²)/2 + x y c
+  H0 = (px²/m + py²/n)/2 + c x y + k (x² + y²)/2
 
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P_{px} Δx - h ((P_{py}²/n + P_{px}²/m)/2 + k (y_{i+1/2}² + x_{i+1/2}²)/2 + c x_{i+1/2} y_{i+1/2}) + P_{py} Δy
+  L_d = P_{px} Δx + P_{py} Δy - h ((P_{px}²/m + P_{py}²/n)/2 + c x_{i+1/2} y_{i+1/2} + k (x_{i+1/2}² + y_{i+1/2}²)/2)
   Δx = x_{i+1} - x_i
   Δy = y_{i+1} - y_i
-  x_{i+1/2} = Δx/2 + x_i
-  y_{i+1/2} = Δy/2 + y_i
+  x_{i+1/2} = x_i + Δx/2
+  y_{i+1/2} = y_i + Δy/2
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h/m
+  ∂L_d/∂P_{px} = 0:  Δx = h P_{px}/m
   px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (k x_{i+1/2} + c y_{i+1/2})/2
   px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx
-  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h/n
-  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (k y_{i+1/2} + c x_{i+1/2})/2
+  ∂L_d/∂P_{py} = 0:  Δy = h P_{py}/n
+  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (c x_{i+1/2} + k y_{i+1/2})/2
   py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy
 
 Step
@@ -35,8 +35,8 @@ Step
 Facts
   H0 is a first integral: kept by the step to rounding
   modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)
-    H_pp(H_q,H_q) = (x k + y c)²/m + (y k + x c)²/n
-    H_qq(H_p,H_p) = px (px k/m + py c/n)/m + py (px c/m + py k/n)/n
+    H_pp(H_q,H_q) = (k x + c y)²/m + (c x + k y)²/n
+    H_qq(H_p,H_p) = px (k px/m + c py/n)/m + py (c px/m + k py/n)/n
 
 ```
 */
@@ -91,17 +91,17 @@ const _: () = {
             let c = at.parameter(3, self.c);
             match part {
                 0 => {
-                    let inverse_n = S::of_constant(n.recip());
                     let inverse_m = S::of_constant(m.recip());
+                    let inverse_n = S::of_constant(n.recip());
                     let half_k = S::of_constant(k * 0.5);
                     let c = S::of_constant(c);
                     let x = at.q[0];
                     let y = at.q[1];
                     let px = at.p[0];
                     let py = at.p[1];
-                    let sum = c * (x * y)
-                        + ((inverse_n * (py * py) + inverse_m * (px * px)) * 0.5
-                            + (y * y + x * x) * half_k);
+                    let sum = (x * x + y * y) * half_k
+                        + ((inverse_m * (px * px) + inverse_n * (py * py)) * 0.5
+                            + c * (x * y));
                     sum * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
@@ -140,7 +140,7 @@ const _: () = {
                         let x = T::of(at.q[0]);
                         let y = T::of(at.q[1]);
                         by_q.add(0, factor_ * (x * k + y * c));
-                        by_q.add(1, factor_ * (y * k + x * c));
+                        by_q.add(1, factor_ * (x * c + y * k));
                     }
                 }
                 _ => {}
@@ -171,14 +171,14 @@ const _: () = {
             {
                 return Err(ConfigError::Parameter);
             }
-            let h_squared = h * h;
-            let product = h_squared * (k * 0.25);
-            let product2 = c * 0.25 * h_squared;
+            let product = h * h * 0.25;
+            let product2 = product * k;
+            let product3 = product * c;
             let factor = wzvi::prepared(
                 h,
                 <K as Constant>::factor([
-                    [product / m + 1.0, product2 / n],
-                    [product2 / m, product / n + 1.0],
+                    [product2 / m + 1.0, product3 / n],
+                    [product3 / m, product2 / n + 1.0],
                 ]),
             )?;
             let half_h = h * 0.5;
@@ -214,7 +214,7 @@ const _: () = {
                 K,
             >>::solve_factored(
                 factor,
-                [-((sum2 * k + sum * c) * half_h), -((sum * k + sum2 * c) * half_h)],
+                [-((sum2 * k + sum * c) * half_h), -((sum2 * c + sum * k) * half_h)],
             );
             let node_px = px + delta_px;
             let delta_x = node_px * quotient3;
@@ -233,14 +233,14 @@ const _: () = {
     impl Discretized<Midpoint> for Oscillators {
         type Scheme = Straight<Midpoint, 2, 0>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py²/n + px²/m)/2 + k (y² + x²)/2 + x y c\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}²/n + P_{px}²/m)/2 + k (y_{i+1/2}² + x_{i+1/2}²)/2 + c x_{i+1/2} y_{i+1/2}) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h/m\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (k x_{i+1/2} + c y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h/n\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (k y_{i+1/2} + c x_{i+1/2})/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: linear (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step to rounding\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x k + y c)²/m + (y k + x c)²/n\n    H_qq(H_p,H_p) = px (px k/m + py c/n)/m + py (px c/m + py k/n)/n\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (px²/m + py²/n)/2 + c x y + k (x² + y²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx + P_{py} Δy - h ((P_{px}²/m + P_{py}²/n)/2 + c x_{i+1/2} y_{i+1/2} + k (x_{i+1/2}² + y_{i+1/2}²)/2)\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = x_i + Δx/2\n  y_{i+1/2} = y_i + Δy/2\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = h P_{px}/m\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (k x_{i+1/2} + c y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = h P_{py}/n\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (c x_{i+1/2} + k y_{i+1/2})/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: linear (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step to rounding\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (k x + c y)²/m + (c x + k y)²/n\n    H_qq(H_p,H_p) = px (k px/m + c py/n)/m + py (c px/m + k py/n)/n\n";
     }
     #[automatically_derived]
     impl Conservative for Oscillators {}
     wzvi::bindings! {
         at by_p by_q c carry coordinates delta_px delta_py delta_x delta_y factor factor_
-        h h_squared half_h half_k increments index inverse_m inverse_n k lift m memory
-        momenta n next node_px node_py part partials prepared product product2 px py
+        h half_h half_k increments index inverse_m inverse_n k lift m memory momenta n
+        next node_px node_py part partials prepared product product2 product3 px py
         quotient quotient2 quotient3 quotient4 sum sum2 t weight x y
     }
 };

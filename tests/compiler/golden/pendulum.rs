@@ -17,11 +17,11 @@ Hamiltonians
 Discrete Lagrangian of the step from t_i to t_i + h
   L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))
   Δq = q_{i+1} - q_i
-  q_{i+1/2} = Δq/2 + q_i
+  q_{i+1/2} = q_i + Δq/2
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = P h
-  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2
+  ∂L_d/∂P = 0:  Δq = h P
+  p_i = -D1 L_d:  P = p_i + δp,  δp = -h omega² sin(q_{i+1/2})/2
   p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp
 
 Step
@@ -31,7 +31,7 @@ Facts
   H0 is a first integral: kept by the step nearly, within O(h²)
   modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)
     H_pp(H_q,H_q) = omega^4 sin(q)²
-    H_qq(H_p,H_p) = p² omega² cos(q)
+    H_qq(H_p,H_p) = omega² p² cos(q)
 
 ```
 */
@@ -92,16 +92,16 @@ const _: () = {
             let omega = at.parameter(0, self.omega);
             match part {
                 0 => {
+                    if partials.by_p {
+                        let factor = T::of_constant(at.h);
+                        let p = T::of(at.p[0]);
+                        by_p.add(0, p * factor);
+                    }
                     if partials.by_q {
                         let omega_squared = T::of_constant(omega * omega);
                         let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
                         by_q.add(0, omega_squared * (factor * q.sin()));
-                    }
-                    if partials.by_p {
-                        let factor = T::of_constant(at.h);
-                        let p = T::of(at.p[0]);
-                        by_p.add(0, p * factor);
                     }
                 }
                 _ => {}
@@ -113,13 +113,26 @@ const _: () = {
     impl Block<2, 0, 3, 0, 1> for Equations {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn equations<S: ComputesWith<K>, K: Constant>(
-            ([q, p], [], [half_h, product, product2], []): Inputs<S, K, 2, 0, 3, 0>,
+            (
+                [q,
+                p,
+                ],
+                [],
+                [half_h,
+                half_h_omega_squared,
+                product,
+                ],
+                [],
+            ): Inputs<S, K, 2, 0, 3, 0>,
             [delta_p,
             ]: [S; 1],
         ) -> ([S; 1], [[S; 1]; 1]) {
             let stage_q = q + (p + delta_p) * half_h;
             let (sin_stage_q, cos_stage_q) = stage_q.sin_cos();
-            ([delta_p + sin_stage_q * product], [[cos_stage_q * product2 + 1.0]])
+            (
+                [delta_p + sin_stage_q * half_h_omega_squared],
+                [[cos_stage_q * product + 1.0]],
+            )
         }
     }
     #[automatically_derived]
@@ -141,8 +154,9 @@ const _: () = {
             if omega.magnitude().is_nan() {
                 return Err(ConfigError::Parameter);
             }
+            let half_h = h * 0.5;
             let omega_squared = omega * omega;
-            Ok([h * 0.5, omega_squared * 0.5 * h, h * h * (omega_squared * 0.25)])
+            Ok([half_h, omega_squared * half_h, h * h * 0.25 * omega_squared])
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
@@ -157,7 +171,7 @@ const _: () = {
             next: &mut Solution<S, 1>,
         ) -> Result<(), StepFailure> {
             let ([q], [p]) = (coordinates, momenta);
-            let [half_h, product, product2] = *prepared;
+            let [half_h, half_h_omega_squared, product] = *prepared;
             use Block as _;
             let mut unknowns = memory.guess::<true>();
             let effort = Equations::newton::<
@@ -166,7 +180,7 @@ const _: () = {
                 false,
                 true,
                 { CAREFUL },
-            >(([q, p], [], [half_h, product, product2], []), &mut unknowns)?;
+            >(([q, p], [], [half_h, half_h_omega_squared, product], []), &mut unknowns)?;
             let [delta_p] = unknowns;
             let node_p = p + delta_p;
             let delta_q = node_p * h;
@@ -185,14 +199,15 @@ const _: () = {
     impl Discretized<Midpoint> for Pendulum {
         type Scheme = Straight<Midpoint, 1, 0>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = q_i + Δq/2\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h P\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h omega² sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = omega² p² cos(q)\n";
     }
     #[automatically_derived]
     impl Conservative for Pendulum {}
     wzvi::bindings! {
         at by_p by_q carry coordinates cos_stage_q delta_p delta_q effort factor h half_h
-        increments index lift memory momenta next node_p omega omega_squared p part
-        partials prepared product product2 q sin_stage_q stage_q t taken unknowns weight
+        half_h_omega_squared increments index lift memory momenta next node_p omega
+        omega_squared p part partials prepared product q sin_stage_q stage_q t taken
+        unknowns weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

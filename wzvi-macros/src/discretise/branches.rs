@@ -55,11 +55,7 @@ struct Decision {
 pub(crate) fn boundaries(graph: &mut Graph, value: Expr, state: &[Symbol]) -> Vec<Boundary> {
     let mut found: Vec<Boundary> = Vec::new();
     for part in graph.reachable(&[value]) {
-        found.extend(match graph.node(part) {
-            // In a copy: the order of sums in the code is that in which their nodes were made.
-            Node::Apply(Function::Atan2, _) => boundary(&mut graph.clone(), value, part, state),
-            _ => boundary(graph, value, part, state),
-        });
+        found.extend(boundary(graph, value, part, state));
     }
     for pole in poles(graph, value, state) {
         // A branch may end at a pole, which its values there do not show.

@@ -13,7 +13,7 @@
 use std::rc::Rc;
 
 use crate::model::StraightLine;
-use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
+use crate::symbolic::{Expr, Graph, Node, Rational, Symbol, SymbolKind};
 
 /// The slopes of the step Hamiltonian in the symbols of the phase space, `h` and `ΔW`.
 pub(crate) struct StepGradient {
@@ -32,9 +32,10 @@ impl StepGradient {
     /// and time, and forces read no momenta.
     pub(crate) fn new(graph: &mut Graph, line: Rc<StraightLine>, is_nystrom: bool) -> Self {
         let noises = line.noises();
-        let h = graph.new_symbol("h");
+        let h = graph.new_symbol(SymbolKind::StepSize, "h");
         let name = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
-        let dw: Vec<Symbol> = (1..=noises).map(|k| graph.new_symbol(name(k))).collect();
+        let dw: Vec<Symbol> =
+            (1..=noises).map(|k| graph.new_symbol(SymbolKind::Increment, name(k))).collect();
         let weights: Vec<Expr> = [h].iter().chain(&dw).map(|&symbol| graph.symbol(symbol)).collect();
         let terms: Vec<Expr> = [line.drift].iter().chain(&line.noise).copied().collect();
         let forces: Vec<(&Vec<Expr>, Expr)> = line.force.iter().map(|force| (force, weights[0])).collect();

@@ -17,7 +17,7 @@ use std::collections::HashMap;
 
 use super::quadrature::{Part, Quadrature, Stage};
 use crate::model::{Phase, StraightLine};
-use crate::symbolic::{Expr, Function, Graph, Rational, Symbol};
+use crate::symbolic::{Expr, Function, Graph, Rational, Symbol, SymbolKind};
 
 /// One stage with the symbols of `Q_l` and `T_l`.
 pub(crate) struct StageSymbols {
@@ -94,26 +94,33 @@ impl StepSymbols {
     /// Names as in the paper: nodes `q_i`, increments `Δq`, quadrature points `q_{i+1/2}`, the momentum `P`.
     fn new(graph: &mut Graph, phase: &Phase, noises: usize, quadrature: &Quadrature) -> Self {
         let copies = |graph: &mut Graph, of: &[Symbol], name: &dyn Fn(&str) -> String| -> Vec<Symbol> {
-            let names: Vec<String> = of.iter().map(|&symbol| name(graph.symbol_name(symbol))).collect();
-            names.into_iter().map(|name| graph.new_symbol(name)).collect()
+            let copy = |&symbol: &Symbol| {
+                let name = name(graph.symbol_name(symbol));
+                graph.new_symbol_like(symbol, name)
+            };
+            of.iter().map(copy).collect()
         };
         let is_single = phase.q.len() == 1;
         let q0 = copies(graph, &phase.q, &|name| format!("{name}_i"));
         let p0 = copies(graph, &phase.p, &|name| format!("{name}_i"));
-        let u = copies(graph, &phase.q, &|name| format!("Δ{name}"));
-        let v = copies(graph, &phase.p, &|name| format!("δ{name}"));
+        let mut displacements = |of: &[Symbol], sign: char| -> Vec<Symbol> {
+            let names: Vec<String> =
+                of.iter().map(|&symbol| format!("{sign}{}", graph.symbol_name(symbol))).collect();
+            names.into_iter().map(|name| graph.new_symbol(SymbolKind::Displacement, name)).collect()
+        };
+        let (u, v) = (displacements(&phase.q, 'Δ'), displacements(&phase.p, 'δ'));
         let momentum =
             copies(graph, &phase.p, &|name| if is_single { "P".to_owned() } else { format!("P_{{{name}}}") });
         let stages = quadrature.stages.iter().map(|stage| StageSymbols {
             q: copies(graph, &phase.q, &|name| format!("{name}_{}", node_index(stage.l))),
-            t: graph.new_symbol(format!("t_{}", node_index(stage.l))),
+            t: graph.new_symbol(SymbolKind::Time, format!("t_{}", node_index(stage.l))),
             at: stage.clone(),
         });
         let stages = stages.collect();
-        let h = graph.new_symbol("h");
-        let t = graph.new_symbol("t_i");
+        let h = graph.new_symbol(SymbolKind::StepSize, "h");
+        let t = graph.new_symbol(SymbolKind::Time, "t_i");
         let increment = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
-        let dw = (1..=noises).map(|k| graph.new_symbol(increment(k))).collect();
+        let dw = (1..=noises).map(|k| graph.new_symbol(SymbolKind::Increment, increment(k))).collect();
         let (nodes, unknowns) = ([q0, p0].concat(), [u, v].concat());
         Self { nodes, unknowns, momentum, t, h, dw, stages }
     }

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 use crate::discretise::{Facts, Part, Quadrature, Sum, Weighted, summed};
 use crate::model::System;
+use crate::symbolic::SymbolKind;
 
 /// One part.
 #[derive(Clone)]
@@ -52,7 +53,7 @@ pub(crate) fn family_of(Weighted { element, increments }: &Weighted) -> Option<u
 /// `s f(q, p / s)` instead of those of a force.
 pub(crate) fn scale_momenta(system: &mut System, parts: &mut [PartElements]) {
     let graph = &mut system.graph;
-    let symbol = graph.new_symbol("s");
+    let symbol = graph.new_symbol(SymbolKind::Auxiliary, "s");
     system.scale = Some(symbol);
     let scale = graph.symbol(symbol);
     for Weighted { element, .. } in

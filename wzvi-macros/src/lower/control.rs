@@ -13,7 +13,7 @@ use super::scope::Binding;
 use super::sequences::Sequence;
 use super::value::{Items, Value};
 use crate::diagnostics::expressions;
-use crate::symbolic::{Expr, Junction, Symbol};
+use crate::symbolic::{Expr, Junction, Symbol, SymbolKind};
 
 /// A variable that a loop adds to, with its value.
 type Total = (Rc<Binding>, Expr);
@@ -239,8 +239,10 @@ impl<'a> Interpreter<'a, '_> {
         totals: &[(Rc<Binding>, Expr)],
         syntax: &'a ExprForLoop,
     ) -> LoopSums {
-        let placeholders: Vec<Symbol> =
-            totals.iter().map(|(binding, _)| self.graph.new_symbol(binding.name.to_string())).collect();
+        let placeholders: Vec<Symbol> = totals
+            .iter()
+            .map(|(binding, _)| self.graph.new_symbol(SymbolKind::Auxiliary, binding.name.to_string()))
+            .collect();
         let mut added = Vec::new();
         // One pass per total, so that each has its own sums; without totals one pass, to report mistakes.
         for wanted in 0..totals.len().max(1) {

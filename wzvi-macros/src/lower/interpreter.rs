@@ -17,7 +17,7 @@ use crate::distinct::Distinct;
 use crate::input::{Container, FieldKind, Library, SharedFunction, peeled};
 use crate::model::symbols::Symbols;
 use crate::model::{Index, Loop, Parameter};
-use crate::symbolic::{Expr, Graph};
+use crate::symbolic::{Expr, Graph, SymbolKind};
 
 /// The most steps of the interpreter in one Hamiltonian.
 const MAX_STEPS: usize = 200_000;
@@ -309,7 +309,10 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     }
 
     fn new_parameter(&mut self, name: &str, tokens: TokenStream, is_integer: bool) -> Expr {
-        let made = || Parameter { symbol: self.graph.new_symbol(name), tokens: tokens.clone(), is_integer };
+        let made = || {
+            let symbol = self.graph.new_symbol(SymbolKind::Parameter, name);
+            Parameter { symbol, tokens: tokens.clone(), is_integer }
+        };
         let place = self.parameters.place(tokens.to_string(), made);
         self.graph.symbol(self.parameters.values[place].symbol)
     }

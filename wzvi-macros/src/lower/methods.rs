@@ -11,7 +11,7 @@ use super::value::{Items, Value};
 use crate::diagnostics::expressions;
 use crate::input::is_integer_type;
 use crate::model::Index;
-use crate::symbolic::Expr;
+use crate::symbolic::{Expr, SymbolKind};
 
 /// Methods by their number of arguments: names with spaces between them.
 pub(super) type Methods = [(usize, &'static str)];
@@ -143,7 +143,7 @@ impl<'a> Interpreter<'a, '_> {
         if let Value::Real(start) = start
             && !matches!(sequence.source, Source::Known(_))
         {
-            let placeholder = self.graph.new_symbol("");
+            let placeholder = self.graph.new_symbol(SymbolKind::Auxiliary, "");
             let total = self.graph.symbol(placeholder);
             let mut is_sum = true;
             let added = self.sum_over(sequence, false, method, &mut |this, item| {

@@ -35,7 +35,7 @@ use crate::key::Key;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
 use crate::model::{Family, Form, Half, Noise, Slot, System, Term};
-use crate::symbolic::{Expr, Graph, Symbol};
+use crate::symbolic::{Expr, Graph, Symbol, SymbolKind};
 
 use arrays::{Array, Origin};
 use interpreter::Interpreter;
@@ -76,7 +76,7 @@ pub(crate) fn lower(
     let mut graph = Graph::new();
     let mut symbols = Symbols::new(phase_space.names.clone());
     symbols.declare_phase(&mut graph, &phase_space.q, &phase_space.p);
-    let t = graph.new_symbol(&phase_space.t);
+    let t = graph.new_symbol(SymbolKind::Time, &phase_space.t);
     let mut tables = Tables::default();
     let space = ClosureSpace::new(&mut tables, &phase_space.shape, t);
     let library = &declaration.library;

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::display::{IndexNames, letter_at};
 use super::index::{Index, Loop};
 use super::{Half, Local, Slot, Table};
-use crate::symbolic::{Expr, Graph, Symbol};
+use crate::symbolic::{Expr, Graph, Symbol, SymbolKind};
 
 /// The meaning of a sum symbol: `Σ_(range) body`.
 #[derive(Clone)]
@@ -89,7 +89,7 @@ impl Symbols {
 
     /// A new variable for a slot that has none.
     pub(crate) fn declare(&mut self, graph: &mut Graph, slot: Slot, name: String) -> Symbol {
-        let symbol = graph.new_symbol(name);
+        let symbol = graph.new_symbol(slot.kind(), name);
         self.of_slot.insert(slot.clone(), symbol);
         self.of_symbol.insert(symbol, self.locals.len());
         self.locals.push(Local { symbol, slot });
@@ -98,7 +98,7 @@ impl Symbols {
 
     /// The symbol of `Σ_(range) body`.
     pub(crate) fn sum(&mut self, graph: &mut Graph, range: Loop, body: Expr) -> Symbol {
-        let symbol = graph.new_symbol("Σ");
+        let symbol = graph.new_symbol(SymbolKind::Auxiliary, "Σ");
         let depth = 1 + self.depth(graph, body);
         self.sums.insert(symbol, IndexedSum { range, body, depth });
         symbol
@@ -141,6 +141,16 @@ impl Slot {
             Self::Number(index) => Self::Number(f(index)?),
             Self::Entry(table, indices) => Self::Entry(*table, indices.iter().map(f).collect::<Option<_>>()?),
         })
+    }
+
+    /// The kind of its variable.
+    pub(crate) fn kind(&self) -> SymbolKind {
+        match self {
+            Self::State(Half::Coordinates, _) => SymbolKind::Coordinate,
+            Self::State(Half::Momenta, _) => SymbolKind::Momentum,
+            Self::State(Half::Displacements, _) => SymbolKind::Displacement,
+            Self::Number(_) | Self::Entry(..) => SymbolKind::Parameter,
+        }
     }
 
     /// The indices in it.

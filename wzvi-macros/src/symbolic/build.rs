@@ -88,7 +88,7 @@ impl Graph {
         for (number, coefficient) in overflow {
             terms.push((self.number(number), coefficient));
         }
-        terms.sort_unstable();
+        self.sort(&mut terms);
         let mut merged: Vec<(Expr, Rational)> = Vec::with_capacity(terms.len());
         for (term, coefficient) in terms {
             match merged.last_mut() {
@@ -188,7 +188,7 @@ impl Graph {
         if coefficient.is_zero() {
             return self.number(Rational::ZERO);
         }
-        factors.sort_unstable();
+        self.sort(&mut factors);
         let mut merges = 0;
         let mut merged: Vec<(Expr, Rational)> = Vec::with_capacity(factors.len());
         for (base, exponent) in factors {

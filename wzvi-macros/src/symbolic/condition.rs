@@ -6,7 +6,8 @@ use super::{Expr, Function, Graph, Junction, Node, Relation, Symbol};
 impl Graph {
     pub(crate) fn compare(&mut self, relation: Relation, a: Expr, b: Expr) -> Expr {
         // Equality is symmetric: operands are sorted.
-        let (a, b) = if relation == Relation::Equal { (a.min(b), a.max(b)) } else { (a, b) };
+        let is_swapped = relation == Relation::Equal && self.order(b, a).is_lt();
+        let (a, b) = if is_swapped { (b, a) } else { (a, b) };
         self.intern(Node::Compare(relation, a, b))
     }
 

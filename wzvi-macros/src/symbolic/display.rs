@@ -96,7 +96,7 @@ impl TextWriter<'_> {
         Text::new(format!("{a} {sign} {b}"), TextPrecedence::Compare)
     }
 
-    /// Terms in order of creation, except that the text starts with a positive one if there is any.
+    /// Terms in their order, except that the text starts with a positive one if there is any.
     fn sum(&mut self, terms: &[(Expr, Rational)], constant: Rational, depth: usize) -> Text {
         if let (&[(term, coefficient)], true) = (terms, constant.is_zero()) {
             return self.multiple(coefficient, term, depth);
@@ -325,12 +325,14 @@ fn float(value: f64) -> Text {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::symbolic::Relation;
+    use crate::symbolic::{Relation, SymbolKind};
 
     #[test]
     fn reads_like_the_paper() {
         let mut g = Graph::new();
-        let [q, p, a] = ["q", "p", "a"].map(|name| g.new_symbol(name)).map(|symbol| g.symbol(symbol));
+        let [q, p, a] = ["q", "p", "a"]
+            .map(|name| g.new_symbol(SymbolKind::Coordinate, name))
+            .map(|symbol| g.symbol(symbol));
         let (one, two) = (g.integer(1), Rational::integer(2));
         let (qq, pp) = (g.power(q, two), g.power(p, two));
         let kinetic = g.scale(pp, Rational::HALF);
@@ -370,7 +372,7 @@ mod tests {
     #[test]
     fn elides_what_is_deep() {
         let mut g = Graph::new();
-        let x = g.new_symbol("x");
+        let x = g.new_symbol(SymbolKind::Coordinate, "x");
         let mut x = g.symbol(x);
         for _ in 0..100_000 {
             x = g.apply(Function::Sin, &[x]);

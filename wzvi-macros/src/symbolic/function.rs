@@ -21,7 +21,7 @@ macro_rules! functions {
         /// A function of real arguments that the graph keeps as one node.
         ///
         /// `sqrt` of an argument that is not proven nonnegative is a function; of one that is, it is a power.
-        #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
         pub(crate) enum Function {
             $($name,)+
             /// A function that `f64` does not have.

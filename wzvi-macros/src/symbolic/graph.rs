@@ -2,13 +2,16 @@
 //! `symbolic/tests/mod.rs`, `symbolic/tests/validate.rs`.
 
 use std::cell::RefCell;
+use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
 
+use super::order::{OrderKey, SymbolKind};
 use super::sign::Sign;
 use super::{Function, Rational};
 
-/// A handle to a canonical expression in one [`Graph`].
+/// A handle to a canonical expression in one [`Graph`]. Handles have the order in which nodes were made;
+/// operands have that of [`Graph::order`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub(crate) struct Expr(u32);
 
@@ -21,7 +24,7 @@ impl Expr {
 
 /// A free variable. Only its creator knows its meaning (a coordinate, a parameter, an increment).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-pub(crate) struct Symbol(u32);
+pub(crate) struct Symbol(pub(super) u32);
 
 impl Symbol {
     pub(crate) fn index(self) -> usize {
@@ -30,7 +33,7 @@ impl Symbol {
 }
 
 /// Comparisons of two real expressions.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) enum Relation {
     Less,
     LessEqual,
@@ -58,7 +61,7 @@ impl Relation {
 }
 
 /// A connective of two conditions.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) enum Junction {
     And,
     Or,
@@ -72,8 +75,8 @@ pub(crate) enum Node {
     /// The bits of a binary64 number that is not a small rational (`6.674e-11`, π).
     Float(u64),
     Symbol(Symbol),
-    /// `constant + Σ coefficient · term`. Terms are sorted by handle, are not numbers, and are not sums if
-    /// their coefficient is ±1. A single term has a coefficient other than one. Two exceptions remain
+    /// `constant + Σ coefficient · term`. Terms are sorted ([`Graph::order`]), are not numbers, and are not
+    /// sums if their coefficient is ±1. A single term has a coefficient other than one. Two exceptions remain
     /// separate: numbers that would leave the exact range, and sums of more than [`super::build::OPEN_LIMIT`]
     /// terms.
     Sum {
@@ -128,9 +131,13 @@ pub(crate) struct Graph {
     nodes: Vec<Node>,
     signs: Vec<Sign>,
     supports: Vec<Support>,
+    order_keys: Vec<OrderKey>,
+    /// The orders of operands that differ only many levels below.
+    pub(super) long_comparisons: RefCell<HashMap<(Expr, Expr), Ordering>>,
     /// The node of each hash; a colliding node takes the next free key. So a node is stored once.
     handles: HashMap<u64, Expr>,
     names: Vec<String>,
+    kinds: Vec<SymbolKind>,
     marks: RefCell<Marks>,
 }
 
@@ -167,6 +174,28 @@ struct Marks {
     met_in: Vec<u32>,
 }
 
+impl Marks {
+    /// No node of so many is met.
+    fn next_traversal(&mut self, nodes: usize) -> &mut Self {
+        self.met_in.resize(nodes, 0);
+        self.traversal = self.traversal.wrapping_add(1);
+        if self.traversal == 0 {
+            self.met_in.fill(0);
+            self.traversal = 1;
+        }
+        self
+    }
+
+    fn is_new(&self, expr: Expr) -> bool {
+        self.met_in[expr.index()] != self.traversal
+    }
+
+    /// Meets a node; whether that is the first time.
+    fn meet(&mut self, expr: Expr) -> bool {
+        std::mem::replace(&mut self.met_in[expr.index()], self.traversal) != self.traversal
+    }
+}
+
 /// A superset of the symbols in an expression, one bit for each residue of their index modulo 64.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Support(u64);
@@ -198,9 +227,19 @@ impl Graph {
     }
 
     /// A new free variable; two variables of one name are different.
-    pub(crate) fn new_symbol(&mut self, name: impl Into<String>) -> Symbol {
+    pub(crate) fn new_symbol(&mut self, kind: SymbolKind, name: impl Into<String>) -> Symbol {
         self.names.push(name.into());
+        self.kinds.push(kind);
         Symbol((self.names.len() - 1) as u32)
+    }
+
+    /// A new variable of the kind of another one.
+    pub(crate) fn new_symbol_like(&mut self, other: Symbol, name: impl Into<String>) -> Symbol {
+        self.new_symbol(self.kind_of(other), name)
+    }
+
+    pub(crate) fn kind_of(&self, symbol: Symbol) -> SymbolKind {
+        self.kinds[symbol.index()]
     }
 
     pub(crate) fn symbol_name(&self, symbol: Symbol) -> &str {
@@ -255,6 +294,7 @@ impl Graph {
         let handle = Expr(self.nodes.len() as u32);
         self.signs.push(self.sign_of(&node));
         self.supports.push(self.support_of(&node));
+        self.order_keys.push(self.key_of(&node));
         self.nodes.push(node);
         self.handles.insert(key, handle);
         handle
@@ -274,14 +314,31 @@ impl Graph {
         self.supports[expr.index()]
     }
 
-    /// All nodes reachable from `roots`, operands first, each once.
+    pub(super) fn order_key(&self, expr: Expr) -> OrderKey {
+        self.order_keys[expr.index()]
+    }
+
+    /// All nodes reachable from `roots`, each once, in the order of a reader: operands first, from the first
+    /// to the last.
     pub(crate) fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
-        let mut met = self.reachable_where(roots, |_| true);
-        met.sort_unstable();
+        let mut marks = self.marks.borrow_mut();
+        let marks = marks.next_traversal(self.nodes.len());
+        let mut met = Vec::new();
+        let mut pending: Vec<(Expr, bool)> = roots.iter().rev().map(|&root| (root, false)).collect();
+        while let Some((expr, is_complete)) = pending.pop() {
+            if is_complete {
+                met.push(expr);
+            } else if marks.meet(expr) {
+                pending.push((expr, true));
+                let first = pending.len();
+                self.node(expr).for_each_operand(|operand| pending.push((operand, false)));
+                pending[first..].reverse();
+            }
+        }
         met
     }
 
-    /// The symbols in `expr`, in order of their nodes.
+    /// The symbols in `expr`, in the order of a reader.
     pub(crate) fn symbols_in(&self, expr: Expr) -> Vec<Symbol> {
         self.reachable(&[expr]).into_iter().filter_map(|part| self.as_symbol(part)).collect()
     }
@@ -289,18 +346,12 @@ impl Graph {
     /// The nodes reachable from `roots` through nodes that satisfy `enter`, in no particular order.
     pub(super) fn reachable_where(&self, roots: &[Expr], enter: impl Fn(Expr) -> bool) -> Vec<Expr> {
         let mut marks = self.marks.borrow_mut();
-        let marks = &mut *marks;
-        marks.met_in.resize(self.nodes.len(), 0);
-        marks.traversal = marks.traversal.wrapping_add(1);
-        if marks.traversal == 0 {
-            marks.met_in.fill(0);
-            marks.traversal = 1;
-        }
+        let marks = marks.next_traversal(self.nodes.len());
         let mut met = Vec::new();
         let mut pending = roots.to_vec();
         while let Some(expr) = pending.pop() {
-            if marks.met_in[expr.index()] != marks.traversal && enter(expr) {
-                marks.met_in[expr.index()] = marks.traversal;
+            if marks.is_new(expr) && enter(expr) {
+                marks.meet(expr);
                 met.push(expr);
                 self.node(expr).for_each_operand(|operand| pending.push(operand));
             }

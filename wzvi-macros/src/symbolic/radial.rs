@@ -7,7 +7,7 @@
 //! Tests: `tests/steps/limits.rs`.
 
 use super::residue::SplitMix;
-use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
+use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol, SymbolKind};
 
 /// Points at which `f'(0)` must be zero.
 const TRIALS: u64 = 3;
@@ -87,7 +87,7 @@ impl Graph {
 
     /// The limit of `φ(r) / r` at `r = 0`, if `φ(0) = 0`: `φ'(0)`, or 0 where there is none.
     fn limit_of_quotient(&mut self, Distance { r, base }: Distance, slope: Expr) -> Option<Expr> {
-        let symbol = self.new_symbol("r");
+        let symbol = self.new_symbol(SymbolKind::Auxiliary, "r");
         let distance = self.symbol(symbol);
         let square = self.power(distance, Rational::integer(2));
         let parts = self.reachable(&[slope]);

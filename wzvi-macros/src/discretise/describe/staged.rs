@@ -60,7 +60,8 @@ fn equations(graph: &mut Graph, gradient: &StepGradient, text: &mut String) {
     let phase = &line.phase;
     let mut placement = HashMap::new();
     for &symbol in phase.q.iter().chain(&phase.p).chain([&phase.t]) {
-        let at_stage = graph.new_symbol(format!("{}_j", graph.symbol_name(symbol)));
+        let name = format!("{}_j", graph.symbol_name(symbol));
+        let at_stage = graph.new_symbol_like(symbol, name);
         placement.insert(symbol, graph.symbol(at_stage));
     }
     let mut equation = |symbol: Symbol, slope: Expr| {

@@ -4,7 +4,7 @@ use crate::discretise::{
     Facts, Linearity, Part, PartElements, Plans, SchemePlan, Stage, Strategy, Sum, Unknowns, Weighted,
 };
 use crate::model::{Half, System};
-use crate::symbolic::{Expr, Graph, Rational, Symbol, signed};
+use crate::symbolic::{Expr, Graph, Rational, Symbol, SymbolKind, signed};
 
 /// The Hamiltonians or the forces of a part of the step.
 struct Named {
@@ -72,10 +72,8 @@ pub(crate) fn derivation(
         parts.extend(named.into_iter().filter(|named| !named.sum.is_empty()));
     }
     equations(system, &quadrature.stages, &parts, &mut text);
-    // In a copy: the order of products in the code is that in which their nodes were made.
-    let graph = &mut system.graph.clone();
     for half in [Half::Momenta, Half::Coordinates, Half::Displacements] {
-        parts.iter().for_each(|part| gradient(graph, facts, part, half, &mut text));
+        parts.iter().for_each(|part| gradient(&mut system.graph, facts, part, half, &mut text));
     }
     let iterated = "by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES \
                      where the band is wide";
@@ -182,11 +180,11 @@ fn gradient(graph: &mut Graph, facts: &Facts, part: &Named, half: Half, text: &m
             element.of_half(half).map(|(variable, _)| (variable, graph.derivative(element.value, variable)));
         let slopes: Vec<(Symbol, Expr)> = slopes.collect();
         let spelled = space.spelled(graph, element);
-        // In the order of the element, in which the nodes of sums are then written.
         let images = element.locals.iter().map(|local| (local.symbol, graph.symbol(spelled[&local.symbol])));
         let images = images.collect();
         let increments = increments.iter().map(|k| format!("ΔW[{}]", space.index(loops, k)));
-        let increments: Vec<_> = increments.map(|name| graph.new_symbol(name)).collect();
+        let increments: Vec<_> =
+            increments.map(|name| graph.new_symbol(SymbolKind::Increment, name)).collect();
         for (variable, slope) in slopes {
             let mut factors = graph.substitute(&[slope], &images);
             factors.extend(increments.iter().map(|&increment| graph.symbol(increment)));

@@ -102,10 +102,7 @@ pub(super) fn form_of(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -
         return form;
     }
     let terms: Vec<Expr> = value.iter().map(|weighted| weighted.element.value).collect();
-    // In a copy: the order of sums in the code is that in which their nodes were made.
-    let mut graph = sums.graph.clone();
-    let whole = graph.sum(&terms);
-    let sums = &mut Calculus { space: &mut sums.space.clone(), graph: &mut graph };
+    let whole = sums.graph.sum(&terms);
     form_of_part(sums, of, whole, &mut HashMap::new())
 }
 

@@ -6,7 +6,7 @@
 use super::Unknown;
 use super::blocks::Dependencies;
 use crate::discretise::{Equations, StepSymbols};
-use crate::symbolic::{Expr, Graph, Rational, Symbol};
+use crate::symbolic::{Expr, Graph, Rational, Symbol, SymbolKind};
 
 /// The largest component in which unknowns are isolated: every one of them is tried.
 pub(crate) const MOST_ISOLATED: usize = 12;
@@ -73,7 +73,7 @@ fn isolated(graph: &mut Graph, symbols: &StepSymbols, phi: Expr, unknown: Unknow
     if graph.is_one(value) {
         return None;
     }
-    let inverse = graph.new_symbol("inverse");
+    let inverse = graph.new_symbol(SymbolKind::Auxiliary, "inverse");
     let factor = graph.symbol(inverse);
     let rest = graph.substitute(&[phi], &at_base)[0];
     Some((graph.multiply(factor, rest), Pivot { value, inverse }))

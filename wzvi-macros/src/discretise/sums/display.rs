@@ -69,7 +69,7 @@ impl Space {
     pub(crate) fn spelled(&self, graph: &mut Graph, element: &Element) -> HashMap<Symbol, Symbol> {
         let spelled = element.locals.iter().map(|Local { symbol, slot }| {
             let name = self.reader(&element.loops, |names| names.slot(slot, &self.names, self.components));
-            (*symbol, graph.new_symbol(name))
+            (*symbol, graph.new_symbol_like(*symbol, name))
         });
         spelled.collect()
     }

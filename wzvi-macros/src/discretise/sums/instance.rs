@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use super::{Increments, Space, Sum, Weighted};
 use crate::model::{Atom, Index, Loop, Slot};
-use crate::symbolic::{Expr, Graph, Rational, Symbol};
+use crate::symbolic::{Expr, Graph, Rational, Symbol, SymbolKind};
 
 /// The most nodes of an expression that is written out.
 const MOST_NODES: usize = 20_000;
@@ -158,7 +158,11 @@ impl<'s> Instance<'s> {
         place: InstanceVariable,
         name: impl FnOnce() -> String,
     ) -> Symbol {
-        *self.symbols.entry(place).or_insert_with(|| graph.new_symbol(name()))
+        let kind = match &place {
+            InstanceVariable::Slot(slot, _) => slot.kind(),
+            InstanceVariable::Increment(..) => SymbolKind::Increment,
+        };
+        *self.symbols.entry(place).or_insert_with(|| graph.new_symbol(kind, name()))
     }
 
     /// The index at these values of the loop variables; sizes and counts in fields equal those of the phase

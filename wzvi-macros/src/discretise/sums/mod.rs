@@ -139,7 +139,7 @@ impl Space {
         if let Some(&known) = self.symbols.get(slot) {
             return known;
         }
-        let symbol = graph.new_symbol(self.slot_name(slot));
+        let symbol = graph.new_symbol(slot.kind(), self.slot_name(slot));
         self.symbols.insert(slot.clone(), symbol);
         self.slots.insert(symbol, slot.clone());
         symbol

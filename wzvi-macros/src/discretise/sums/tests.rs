@@ -38,7 +38,7 @@ fn find(attribute: &str, diagnostics: &mut Diagnostics) -> Option<(Graph, Facts)
     let phase_space = input::read_phase_space(&mut declaration, diagnostics)?;
     let mut system = lower(container, declaration, &phase_space, diagnostics)?;
     let listed: Vec<_> = system.embeddings.iter().map(|known| known.value.clone()).collect();
-    system.form = choose(&system, &listed).elements;
+    system.form = choose(&mut system, &listed).elements;
     unroll(&mut system);
     collect(&mut system, diagnostics);
     friction(&mut system, diagnostics);

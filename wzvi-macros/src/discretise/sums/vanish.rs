@@ -197,7 +197,8 @@ impl Prover<'_, '_> {
         let (graph, mut value) = (&mut *self.sums.graph, element.value);
         if self.statement == Statement::Constant {
             let other = element.state().into_iter().map(|symbol| {
-                let other = graph.new_symbol(format!("{}'", graph.symbol_name(symbol)));
+                let name = format!("{}'", graph.symbol_name(symbol));
+                let other = graph.new_symbol_like(symbol, name);
                 (symbol, graph.symbol(other))
             });
             let other: HashMap<Symbol, Expr> = other.collect();

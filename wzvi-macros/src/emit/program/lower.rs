@@ -5,7 +5,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::{Level, Op, Operation, Program};
-use crate::symbolic::{Expr, Function, Graph, Node, Rational, Symbol};
+use crate::symbolic::{Expr, Function, Graph, Node, Rational, Symbol, SymbolKind};
 
 /// The largest integer power that is expanded into products.
 const LARGEST_SPELLED_POWER: i64 = 16;
@@ -79,7 +79,7 @@ impl<'a> Lowering<'a> {
             }
             match node {
                 Node::Symbol(symbol) => pending.extend(self.definitions.get(&symbol).map(|&e| (e, false))),
-                node => pending.extend(self.dependencies(&node).into_iter().map(|e| (e, false))),
+                node => pending.extend(self.dependencies(&node).into_iter().rev().map(|e| (e, false))),
             }
         }
         self.lowered[&root]
@@ -172,7 +172,7 @@ impl<'a> Lowering<'a> {
         let (&factor, &(_, shared)) = counts
             .iter()
             .filter(|(_, (count, _))| *count > 1)
-            .max_by_key(|&(&base, &(count, _))| (count, base))?;
+            .max_by(|(a, (x, _)), (b, (y, _))| x.cmp(y).then_with(|| self.graph.order(**a, **b)))?;
         let (mut inside, mut outside) = (Vec::new(), Vec::new());
         for &(term, coefficient) in terms {
             match self.without_factor(term, factor, shared) {
@@ -187,7 +187,7 @@ impl<'a> Lowering<'a> {
             return (product != expr).then_some(product);
         }
         // The product is hidden behind a symbol, as the canonical form would expand it again.
-        let hidden = self.graph.new_symbol("");
+        let hidden = self.graph.new_symbol(SymbolKind::Auxiliary, "");
         self.definitions.insert(hidden, product);
         let one = self.graph.integer(1);
         outside.push((self.graph.symbol(hidden), Rational::ONE));

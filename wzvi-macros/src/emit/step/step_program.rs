@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::discretise::{Block, Pivot, Scheme, Solution, StepSymbols, Unknown, increment};
 use crate::emit::program::{Level, Lowering, Op, Program};
 use crate::model::Parameter;
-use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol};
+use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol, SymbolKind};
 
 /// Larger pivots cost a digit of the points to which they contribute.
 const STIFF: i32 = 2;
@@ -195,7 +195,7 @@ fn invert_constant_pivots(
         inverses.push(match (&block.solution, block.iterates.as_slice()) {
             (Solution::Linear { matrix, rhs }, &[unknown]) if graph.reads_only(matrix[0][0], &given) => {
                 let pivot = matrix[0][0];
-                let symbol = graph.new_symbol("inverse");
+                let symbol = graph.new_symbol(SymbolKind::Auxiliary, "inverse");
                 let inverse = graph.symbol(symbol);
                 let value = graph.multiply(inverse, rhs[0]);
                 definitions.insert(symbols.unknowns[unknown], value);

@@ -8,7 +8,7 @@
 
 use std::collections::HashMap;
 
-use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
+use crate::symbolic::{Expr, Graph, Node, Rational, Symbol, SymbolKind};
 
 /// A variable and its definition: a linear combination of locals.
 type Variable = (Symbol, Vec<(Symbol, Rational)>);
@@ -28,7 +28,7 @@ impl Combined {
         let mut variables: Vec<Variable> = locals.iter().map(|&x| (x, vec![(x, Rational::ONE)])).collect();
         while let Some((terms, chosen)) = combination(graph, value, &variables, locals) {
             let scale = terms.iter().find(|(s, _)| *s == chosen)?.1.recip()?;
-            let d = graph.new_symbol("d");
+            let d = graph.new_symbol_like(chosen, "d");
             let (mut row, mut inverse) = (Vec::new(), vec![(graph.symbol(d), Rational::ONE)]);
             for (symbol, coefficient) in terms {
                 let coefficient = coefficient.multiply(scale)?;
@@ -104,7 +104,8 @@ impl Combined {
             return value;
         }
         let known = self.definitions.iter().find(|&(_, &known)| known == value);
-        let symbol = known.map_or_else(|| graph.new_symbol("g"), |(&symbol, _)| symbol);
+        let symbol =
+            known.map_or_else(|| graph.new_symbol(SymbolKind::Auxiliary, "g"), |(&symbol, _)| symbol);
         self.definitions.insert(symbol, value);
         graph.symbol(symbol)
     }
@@ -199,7 +200,8 @@ mod tests {
 
     fn check(pairs: &[(usize, usize)], locals: usize, variables: usize) {
         let mut graph = Graph::new();
-        let x: Vec<Symbol> = (0..locals).map(|i| graph.new_symbol(format!("x{i}"))).collect();
+        let x: Vec<Symbol> =
+            (0..locals).map(|i| graph.new_symbol(SymbolKind::Coordinate, format!("x{i}"))).collect();
         let value = bonds(&mut graph, &x, pairs);
         let mut combined = Combined::new(&mut graph, value, &x).unwrap();
         assert_eq!(combined.variables.len(), variables);
@@ -241,7 +243,8 @@ mod tests {
     #[test]
     fn what_reads_its_locals_otherwise_is_left_alone() {
         let mut graph = Graph::new();
-        let x: Vec<Symbol> = (0..2).map(|i| graph.new_symbol(format!("x{i}"))).collect();
+        let x: Vec<Symbol> =
+            (0..2).map(|i| graph.new_symbol(SymbolKind::Coordinate, format!("x{i}"))).collect();
         let bond = bonds(&mut graph, &x, &[(1, 0)]);
         let own = graph.symbol(x[0]);
         let own = graph.power(own, Rational::integer(3));

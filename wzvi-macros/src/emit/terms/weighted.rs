@@ -11,7 +11,7 @@ use super::kernel::Target;
 use crate::discretise::{PartElements, Weighted, family_of};
 use crate::indices::Indices;
 use crate::model::{Element, Half, Index, Reads, System};
-use crate::symbolic::{Expr, Symbol};
+use crate::symbolic::{Expr, Symbol, SymbolKind};
 
 /// Values to compute, with their targets.
 #[derive(Default)]
@@ -96,7 +96,7 @@ impl ElementEmitter<'_> {
     fn weighed<'w>(&mut self, element: &Element, weight: Option<&'w TokenStream>) -> (Expr, Weight<'w>) {
         let Some(weight) = weight else { return (element.value, None) };
         let graph = &mut self.model.graph;
-        let symbol = graph.new_symbol("c");
+        let symbol = graph.new_symbol(SymbolKind::Parameter, "c");
         let c = graph.symbol(symbol);
         (graph.multiply(c, element.value), Some((symbol, weight)))
     }

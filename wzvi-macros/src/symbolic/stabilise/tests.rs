@@ -1,12 +1,12 @@
 //! Single rewrites: what they become, and where they could divide zero by zero.
 
-use super::super::{Function, Graph, Rational};
+use super::super::{Function, Graph, Rational, SymbolKind};
 
 #[test]
 fn a_common_factor_and_a_shared_constant_are_seen_through() {
     let mut graph = Graph::new();
     let [a, x, y] = ["a", "x", "y"].map(|name| {
-        let symbol = graph.new_symbol(name);
+        let symbol = graph.new_symbol(SymbolKind::Coordinate, name);
         graph.symbol(symbol)
     });
     let [cos_x, cos_y] = [x, y].map(|angle| graph.apply(Function::Cos, &[angle]));
@@ -24,7 +24,7 @@ fn a_common_factor_and_a_shared_constant_are_seen_through() {
 #[test]
 fn roots_that_may_both_vanish_do_not_become_zero_over_zero() {
     let mut graph = Graph::new();
-    let symbols = ["x", "y"].map(|name| graph.new_symbol(name));
+    let symbols = ["x", "y"].map(|name| graph.new_symbol(SymbolKind::Coordinate, name));
     let [x, y] = symbols.map(|symbol| graph.symbol(symbol));
     let sum = graph.add(x, y);
     let [first, second] = [sum, x].map(|radicand| graph.apply(Function::Sqrt, &[radicand]));

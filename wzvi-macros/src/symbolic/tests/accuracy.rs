@@ -3,7 +3,7 @@
 
 use super::real::error_in_ulps;
 use crate::symbolic::residue::SplitMix;
-use crate::symbolic::{Expr, Function, Graph, Rational};
+use crate::symbolic::{Expr, Function, Graph, Rational, SymbolKind};
 
 /// Numbers of every size that a parameter or a state may have.
 struct Inputs(SplitMix);
@@ -176,7 +176,7 @@ const TRIES: usize = 150;
 /// binary64.
 fn measure(form: &Form) -> Vec<([f64; 3], f64, f64)> {
     let mut graph = Graph::new();
-    let symbols = ["x", "y", "a"].map(|name| graph.new_symbol(name));
+    let symbols = ["x", "y", "a"].map(|name| graph.new_symbol(SymbolKind::Coordinate, name));
     let leaves = symbols.map(|symbol| graph.symbol(symbol));
     let written = form.written(&mut graph, leaves);
     let stable = graph.stabilise(&[written])[0];
@@ -247,7 +247,7 @@ struct Expressions {
 impl Expressions {
     fn new(seed: u64) -> (Self, [crate::symbolic::Symbol; 3]) {
         let mut graph = Graph::new();
-        let symbols = ["x", "y", "a"].map(|name| graph.new_symbol(name));
+        let symbols = ["x", "y", "a"].map(|name| graph.new_symbol(SymbolKind::Coordinate, name));
         let leaves = symbols.map(|symbol| graph.symbol(symbol));
         (Self { graph, leaves, random: Inputs(SplitMix::new(seed)) }, symbols)
     }

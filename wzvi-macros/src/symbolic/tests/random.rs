@@ -6,7 +6,9 @@ use std::collections::HashMap;
 use crate::symbolic::evaluate::{Bounded, bound_function, bound_node, bound_power, multiply};
 use crate::symbolic::residue::SplitMix;
 use crate::symbolic::zero::ZeroTest;
-use crate::symbolic::{Expr, Function, Graph, Junction, NAMES, Node, Rational, Relation, Special, Symbol};
+use crate::symbolic::{
+    Expr, Function, Graph, Junction, NAMES, Node, Rational, Relation, Special, Symbol, SymbolKind,
+};
 
 const COEFFICIENTS: [(i128, i128); 8] = [(1, 1), (-1, 1), (2, 1), (1, 2), (-3, 4), (1, 3), (5, 7), (-2, 1)];
 const EXPONENTS: [(i128, i128); 8] = [(1, 1), (2, 1), (-1, 1), (3, 1), (-2, 1), (1, 2), (-1, 2), (1, 3)];
@@ -33,7 +35,8 @@ struct Generator {
 impl Generator {
     fn new(seed: u64) -> Self {
         let mut graph = Graph::new();
-        let symbols: Vec<Symbol> = ["x", "y", "z"].map(|name| graph.new_symbol(name)).into();
+        let symbols: Vec<Symbol> =
+            ["x", "y", "z"].map(|name| graph.new_symbol(SymbolKind::Coordinate, name)).into();
         let mut reals = Vec::new();
         for &symbol in &symbols {
             let leaf = graph.symbol(symbol);

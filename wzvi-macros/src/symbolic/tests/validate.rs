@@ -35,7 +35,7 @@ impl Graph {
         if terms.iter().any(|(_, coefficient)| coefficient.is_zero()) {
             return Some("a zero coefficient");
         }
-        if terms.windows(2).any(|pair| pair[0] > pair[1]) {
+        if terms.windows(2).any(|pair| self.order(pair[0].0, pair[1].0).is_gt()) {
             return Some("unsorted terms");
         }
         if terms.windows(2).any(|pair| pair[0].0 == pair[1].0 && pair[0].1.add(pair[1].1).is_some()) {
@@ -61,7 +61,7 @@ impl Graph {
         if factors.iter().any(|(_, exponent)| exponent.is_zero()) {
             return Some("a zero exponent");
         }
-        if factors.windows(2).any(|pair| pair[0] > pair[1]) {
+        if factors.windows(2).any(|pair| self.order(pair[0].0, pair[1].0).is_gt()) {
             return Some("unsorted factors");
         }
         let mergeable = |pair: &[(Expr, Rational)]| {
