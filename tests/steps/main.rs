@@ -8,6 +8,7 @@ mod adjoint;
 mod compensation;
 mod composition;
 mod conditions;
+mod divisors;
 mod errors;
 mod gauss;
 mod gradient;

@@ -18,6 +18,7 @@ use crate::input::{self, Library};
 use crate::lower::lower;
 use crate::model::{Form, System};
 use crate::passes::collect::collect;
+use crate::passes::divisors::divisors;
 use crate::passes::friction::friction;
 use crate::passes::ito::ito;
 use crate::passes::unroll::{may_be_written_out, unroll, written_out};
@@ -90,7 +91,8 @@ fn compile(
     stubs.degrees = phase_space.degrees();
 
     // lower
-    let system = lower(container, declaration, &phase_space, diagnostics)?;
+    let mut system = lower(container, declaration, &phase_space, diagnostics)?;
+    divisors(&mut system);
     expand_lowered(system, diagnostics)
 }
 
@@ -157,6 +159,8 @@ fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {
     values
 }
 
+#[cfg(test)]
+mod divisor_tests;
 #[cfg(test)]
 mod effort_tests;
 #[cfg(test)]

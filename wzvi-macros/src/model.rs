@@ -62,6 +62,8 @@ pub(crate) struct Table {
     pub(crate) suffix: TokenStream,
     /// Whether its entries are known not to be negative.
     pub(crate) is_unsigned: bool,
+    /// Whether the Hamiltonian divides by its entries: see `passes/divisors.rs`.
+    pub(crate) is_nonzero: bool,
     /// The lengths of the list and of those inside of it, where they are literals.
     pub(crate) lengths: Vec<Option<usize>>,
 }

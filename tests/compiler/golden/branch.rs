@@ -70,11 +70,11 @@ const _: () = {
             let stiffness = at.parameter(1, self.stiffness);
             match part {
                 0 => {
-                    let half_stiffness = S::of_constant(stiffness * 0.5);
                     let condition = Scalar::less(
                         <S::Constant as Scalar>::from_f64(0.0),
                         stiffness,
                     );
+                    let half_stiffness = S::of_constant(stiffness * 0.5);
                     let edge = S::of_constant(edge);
                     let q = at.q[0];
                     let p = at.p[0];

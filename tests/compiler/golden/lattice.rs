@@ -137,8 +137,8 @@ const _: () = {
                                 let q_2i = points1[place][0];
                                 let q_2_i_plus_1_mod_N_plus_1 = points0[place][1];
                                 let q_2i_plus_1 = points1[place][1];
-                                let sin = ((q_2_i_plus_1_mod_N - q_2i) * half_k).sin();
                                 let difference = q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1;
+                                let sin = ((q_2_i_plus_1_mod_N - q_2i) * half_k).sin();
                                 b0 = b0 + difference * difference * 0.5 + sin * sin * 2.0;
                             }
                             i1 += len as isize;

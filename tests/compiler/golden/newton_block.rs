@@ -144,14 +144,14 @@ const _: () = {
             delta_py,
             ]: [S; 2],
         ) -> ([S; 2], [[S; 2]; 2]) {
+            let stage_x = x + (px + delta_px) * half_h;
             let stage_y = y + (py + delta_py) * half_h;
             let twice_stage_y = stage_y * 2.0;
             let sum = twice_stage_y + 1.0;
-            let stage_x = x + (px + delta_px) * half_h;
             let product = stage_x * half_h_squared;
             (
                 [
-                    delta_px + sum * stage_x * half_h,
+                    delta_px + stage_x * sum * half_h,
                     delta_py + (stage_y * (-stage_y + 1.0) + stage_x * stage_x) * half_h,
                 ],
                 [
@@ -206,8 +206,8 @@ const _: () = {
                 &mut unknowns,
             )?;
             let [delta_px, delta_py] = unknowns;
-            let node_py = py + delta_py;
             let node_px = px + delta_px;
+            let node_py = py + delta_py;
             let delta_x = node_px * h;
             let delta_y = node_py * h;
             *next = Solution::new(

@@ -182,7 +182,7 @@ const _: () = {
                 ]),
             )?;
             let half_h = h * 0.5;
-            Ok(([k, c, half_h, half_h / n, half_h / m, h / m, h / n], factor))
+            Ok(([k, c, half_h, half_h / m, half_h / n, h / m, h / n], factor))
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn solve<S: ComputesWith<K>, K: Constant, C: StateSum<S>, const CAREFUL: bool>(
@@ -208,13 +208,13 @@ const _: () = {
                 ],
                 ref factor,
             ) = *prepared;
-            let sum = y + py * quotient;
-            let sum2 = x + px * quotient2;
+            let sum = x + px * quotient;
+            let sum2 = y + py * quotient2;
             let [delta_px, delta_py] = <S as ComputesWith<
                 K,
             >>::solve_factored(
                 factor,
-                [-((sum2 * k + sum * c) * half_h), -((sum2 * c + sum * k) * half_h)],
+                [-((sum * k + sum2 * c) * half_h), -((sum * c + sum2 * k) * half_h)],
             );
             let node_px = px + delta_px;
             let delta_x = node_px * quotient3;

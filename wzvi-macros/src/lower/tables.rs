@@ -29,7 +29,8 @@ impl Tables {
         lengths: Vec<Option<usize>>,
     ) -> u32 {
         let (name, suffix) = (name.to_owned(), TokenStream::new());
-        let table = || Table { name, tokens: tokens.clone(), suffix, is_unsigned, lengths };
+        let table =
+            || Table { name, tokens: tokens.clone(), suffix, is_unsigned, is_nonzero: false, lengths };
         self.0.place(tokens.to_string(), table) as u32
     }
 

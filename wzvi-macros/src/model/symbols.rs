@@ -67,8 +67,31 @@ impl Symbols {
                     Some(coordinate) => format!("δ{}", graph.symbol_name(coordinate)),
                     None => self.reader(tables, |names| names.slot(&slot, &self.names, 1)),
                 };
-                self.declare(graph, slot, name)
+                let is_nonzero = slot.is_nonzero(tables);
+                let symbol = self.declare(graph, slot, name);
+                if is_nonzero {
+                    let entry = graph.symbol(symbol);
+                    graph.assume_nonzero(entry);
+                }
+                symbol
             }
+        }
+    }
+
+    /// Makes it known that the entries of a list are not zero.
+    pub(crate) fn assume_nonzero_entries(&self, graph: &mut Graph, list: u32) {
+        for local in &self.locals {
+            if matches!(local.slot, Slot::Entry(own, _) if own == list) {
+                let entry = graph.symbol(local.symbol);
+                graph.assume_nonzero(entry);
+            }
+        }
+    }
+
+    /// Brings the bodies of all sums to the form that they have by what is known now.
+    pub(crate) fn rebuild_sums(&mut self, graph: &mut Graph) {
+        for IndexedSum { body, .. } in self.sums.values_mut() {
+            *body = graph.rebuilt(*body);
         }
     }
 
@@ -141,6 +164,12 @@ impl Slot {
             Self::Number(index) => Self::Number(f(index)?),
             Self::Entry(table, indices) => Self::Entry(*table, indices.iter().map(f).collect::<Option<_>>()?),
         })
+    }
+
+    /// Whether it is an entry of a list whose entries are not zero.
+    pub(crate) fn is_nonzero(&self, tables: &[Table]) -> bool {
+        let Self::Entry(table, _) = self else { return false };
+        tables.get(*table as usize).is_some_and(|table| table.is_nonzero)
     }
 
     /// The kind of its variable.

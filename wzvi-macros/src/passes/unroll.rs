@@ -345,7 +345,7 @@ impl Unroller<'_> {
 
 impl Loop {
     /// The number of iterations, if it is known.
-    fn length(&self) -> Option<i128> {
+    pub(super) fn length(&self) -> Option<i128> {
         self.end.subtract(&self.start)?.as_integer()
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Sums and products are n-ary and sorted, like terms are collected with exact rational coefficients, and
 //! nothing is expanded. Rewrites change a value by no more than rounding and keep the domain: `x / x` stays,
-//! because it is undefined at 0; `x - x` is 0 wherever `x` is defined.
+//! because it is undefined at 0, unless `x` is known not to be 0; `x - x` is 0 wherever `x` is defined.
 //!
 //! Tests: `symbolic/tests/random.rs`.
 
@@ -194,7 +194,7 @@ impl Graph {
         for (base, exponent) in factors {
             let total = merged.last().filter(|&&(last, _)| last == base).and_then(|&(_, total)| {
                 let same_sign = total.is_negative() == exponent.is_negative();
-                if same_sign || self.sign(base) == Sign::Positive { total.add(exponent) } else { None }
+                if same_sign || self.is_nonzero(base) { total.add(exponent) } else { None }
             });
             match (total, merged.last_mut()) {
                 (Some(total), Some((_, last))) => {
@@ -338,7 +338,7 @@ impl Graph {
 
     /// Whether `1 / base^exponent` is `base^-exponent` on the whole domain: not for `1/x`, which excludes 0.
     fn invertible(&self, base: Expr, exponent: Rational) -> bool {
-        !exponent.is_negative() || self.sign(base) == Sign::Positive
+        !exponent.is_negative() || self.is_nonzero(base)
     }
 
     /// `function(arguments)`, with exact values, parity and roots brought to their canonical form.

@@ -3,7 +3,7 @@
 
 use std::cell::RefCell;
 use std::cmp::Ordering;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::{Hash, Hasher};
 
 use super::order::{OrderKey, SymbolKind};
@@ -84,7 +84,7 @@ pub(crate) enum Node {
         constant: Rational,
     },
     /// `Π base^exponent`, sorted by (base, exponent). Exponents of opposite sign of one base stay separate
-    /// unless the base is proven positive, and fractional exponents occur only with bases proven nonnegative:
+    /// unless the base is known not to be zero, and fractional exponents occur only with bases proven nonnegative:
     /// the domain is preserved. Bases are neither products nor multiples that could be flattened (the
     /// exceptions are those of sums, and products with exponents beyond those of `powi`).
     Product(Box<[(Expr, Rational)]>),
@@ -138,6 +138,8 @@ pub(crate) struct Graph {
     handles: HashMap<u64, Expr>,
     names: Vec<String>,
     kinds: Vec<SymbolKind>,
+    /// Expressions that are not zero although their signs are unknown.
+    nonzero: HashSet<Expr>,
     marks: RefCell<Marks>,
 }
 
@@ -235,7 +237,24 @@ impl Graph {
 
     /// A new variable of the kind of another one.
     pub(crate) fn new_symbol_like(&mut self, other: Symbol, name: impl Into<String>) -> Symbol {
-        self.new_symbol(self.kind_of(other), name)
+        let symbol = self.new_symbol(self.kind_of(other), name);
+        let other = self.symbol(other);
+        if self.nonzero.contains(&other) {
+            let own = self.symbol(symbol);
+            self.nonzero.insert(own);
+        }
+        symbol
+    }
+
+    /// From now on `expr` counts as not zero: a power of it cancels with its inverse in new products. This may
+    /// be assumed where no value is used unless that holds.
+    pub(crate) fn assume_nonzero(&mut self, expr: Expr) {
+        self.nonzero.insert(expr);
+    }
+
+    /// Whether `expr` is known not to be zero wherever it is defined.
+    pub(super) fn is_nonzero(&self, expr: Expr) -> bool {
+        self.sign(expr) == Sign::Positive || self.nonzero.contains(&expr)
     }
 
     pub(crate) fn kind_of(&self, symbol: Symbol) -> SymbolKind {

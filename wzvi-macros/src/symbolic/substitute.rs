@@ -13,6 +13,12 @@ impl Graph {
         self.rewritten(roots, parts, |graph, part| by.get(&graph.as_symbol(part)?).copied())
     }
 
+    /// `expr` in the form that its constructors give it now.
+    pub(crate) fn rebuilt(&mut self, expr: Expr) -> Expr {
+        let parts = self.reachable(&[expr]);
+        self.rewritten(&[expr], parts, |_, _| None)[0]
+    }
+
     /// `roots` with each of `parts` replaced by its image, or else rebuilt from the images of its operands.
     pub(crate) fn rewritten(
         &mut self,

@@ -140,6 +140,10 @@ impl Space {
             return known;
         }
         let symbol = graph.new_symbol(slot.kind(), self.slot_name(slot));
+        if slot.is_nonzero(&self.tables) {
+            let entry = graph.symbol(symbol);
+            graph.assume_nonzero(entry);
+        }
         self.symbols.insert(slot.clone(), symbol);
         self.slots.insert(symbol, slot.clone());
         symbol

@@ -66,7 +66,7 @@ impl Graph {
         }
         let mergeable = |pair: &[(Expr, Rational)]| {
             let same_sign = pair[0].1.is_negative() == pair[1].1.is_negative();
-            let allowed = same_sign || self.sign(pair[0].0) == Sign::Positive;
+            let allowed = same_sign || self.is_nonzero(pair[0].0);
             pair[0].0 == pair[1].0 && allowed && pair[0].1.add(pair[1].1).is_some()
         };
         if factors.windows(2).any(mergeable) {
