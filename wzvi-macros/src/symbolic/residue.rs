@@ -2,8 +2,9 @@
 //!
 //! With every function of one argument node replaced by an independent random number (or a rational function
 //! of one, so that `sin² + cos² = 1`, addition theorems and `2 sin²(x/2) = 1 - cos x` hold; `hypot(x, y)` is
-//! `√(x² + y²)`, `x^y` maps sums of exponents to products, `2^x` is such a power of 2, and `log2`, `log10`
-//! and `ln(1 + x)` are logarithms `ln`), an expression is a rational function of degree `d` in random numbers
+//! `√(x² + y²)`, `x^y` maps sums of exponents to products, `2^x` is such a power of 2, `log2`, `log10` and
+//! `ln(1 + x)` are logarithms `ln`, and the binary64 numbers next to `ln 2`, `ln 10` and their quotients stand for
+//! these), an expression is a rational function of degree `d` in random numbers
 //! of the field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p`
 //! (Schwartz, Zippel), below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals
 //! could still vanish modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure,
@@ -16,7 +17,7 @@
 //!
 //! Tests: `symbolic/tests/mod.rs`, `lower/tests/identities.rs`.
 
-use std::f64::consts::{LN_2, LN_10};
+use std::f64::consts::{LN_2, LN_10, LOG2_10, LOG2_E, LOG10_2, LOG10_E};
 
 use super::rational::power;
 use super::{Expr, Function, Graph, Node, Rational, Relation, Special};
@@ -278,7 +279,7 @@ impl Point<'_> {
         let field = self.field;
         match node {
             Node::Number(number) => field.rational(*number),
-            Node::Float(bits) => field.float(f64::from_bits(*bits)),
+            Node::Float(bits) => self.constant(f64::from_bits(*bits)),
             Node::Symbol(symbol) => Some(self.atom(RandomKind::Symbol, symbol.index() as u64)),
             Node::Sum { terms, constant } => {
                 let mut sum = field.rational(*constant)?;
@@ -292,7 +293,7 @@ impl Point<'_> {
                 for &(base, exponent) in factors {
                     let power = match exponent.denominator() {
                         1 => field.power_signed(value(base)?, exponent.numerator())?,
-                        _ => self.rational_power(value(base)?, exponent)?,
+                        _ => self.rational_power(PowerBase::Value(value(base)?), exponent)?,
                     };
                     product = field.multiply(product, power);
                 }
@@ -306,8 +307,14 @@ impl Point<'_> {
             Node::Apply(Function::Special(special), arguments) => {
                 self.special(*special, arguments[0], value(arguments[0])?)
             }
-            Node::Apply(Function::Powf, arguments) => self.power(value(arguments[0])?, arguments[1]),
-            Node::Apply(Function::Exp2, arguments) => self.power(field.integer(2), arguments[0]),
+            Node::Apply(Function::Powf, arguments) => {
+                let base = PowerBase::Value(value(arguments[0])?);
+                self.power(base, &[(arguments[1], Rational::ONE)], Rational::ONE, value)
+            }
+            Node::Apply(Function::Exp2, arguments) => {
+                let base = PowerBase::Value(field.integer(2));
+                self.power(base, &[(arguments[0], Rational::ONE)], Rational::ONE, value)
+            }
             Node::Apply(Function::Ln, arguments) => self.logarithm(value(arguments[0])?),
             Node::Apply(Function::Ln1p, arguments) => {
                 self.logarithm(field.add(value(arguments[0])?, Residue::ONE))
@@ -322,6 +329,20 @@ impl Point<'_> {
                 None => Some(self.atom(RandomKind::Node, expr.index() as u64)),
             },
             Node::Compare(..) | Node::Not(_) | Node::Join(..) => Some(Residue::ZERO),
+        }
+    }
+
+    /// A constant. Logarithms of 2 and 10 to other bases are quotients of `ln 2` and `ln 10`, which have the
+    /// roundings that derivatives have.
+    fn constant(&self, value: f64) -> Option<Residue> {
+        let field = self.field;
+        let [ln_2, ln_10] = [field.float(LN_2)?, field.float(LN_10)?];
+        match value {
+            LOG2_E => field.recip(ln_2),
+            LOG10_E => field.recip(ln_10),
+            LOG2_10 => field.divide(ln_10, ln_2),
+            LOG10_2 => field.divide(ln_2, ln_10),
+            _ => field.float(value),
         }
     }
 
@@ -421,8 +442,85 @@ impl Point<'_> {
         }
     }
 
+    /// `exp(argument)`
+    fn exponential(&self, argument: Expr, value: &dyn Fn(Expr) -> Option<Residue>) -> Option<Residue> {
+        self.power(PowerBase::E, &[(argument, Rational::ONE)], Rational::ONE, value)
+    }
+
+    /// `base^(coefficient · Π factor)`: sums of exponents give products of powers.
+    fn power(
+        &self,
+        base: PowerBase,
+        factors: &[(Expr, Rational)],
+        coefficient: Rational,
+        value: &dyn Fn(Expr) -> Option<Residue>,
+    ) -> Option<Residue> {
+        for (at, &(factor, exponent)) in factors.iter().enumerate() {
+            if exponent.is_one()
+                && let Some(other) = self.base_of_logarithm(base, factor, value)
+            {
+                let rest = [&factors[..at], &factors[at + 1..]].concat();
+                return self.power(other?, &rest, coefficient, value);
+            }
+        }
+        match (factors, factors.first().map(|&(first, exponent)| (self.graph.node(first), exponent))) {
+            ([], _) => self.rational_power(base, coefficient),
+            ([_], Some((Node::Product(inner), Rational::ONE))) => self.power(base, inner, coefficient, value),
+            ([(sum, _)], Some((Node::Sum { .. } | Node::Number(_), Rational::ONE))) => {
+                let mut product = Residue::ONE;
+                for (term, inner) in linear_terms(self.graph, *sum) {
+                    let factors: Vec<_> = term.map(|term| (term, Rational::ONE)).into_iter().collect();
+                    let power = self.power(base, &factors, inner.multiply(coefficient)?, value)?;
+                    product = self.field.multiply(product, power);
+                }
+                Some(product)
+            }
+            _ => {
+                let (key, count) = self.summand(key_of(factors), coefficient);
+                let part = match base {
+                    PowerBase::E => self.atom(RandomKind::Exponential, key),
+                    PowerBase::Value(Residue { re, im }) => {
+                        self.atom(RandomKind::Power, mix(mix(re, im), mix(key, 1)))
+                    }
+                };
+                self.field.power_signed(part, count)
+            }
+        }
+    }
+
+    /// `x`, if `factor` is the logarithm of `x` to this base: `base^(y factor)` is `x^y`. Without a value where
+    /// `x` has none.
+    fn base_of_logarithm(
+        &self,
+        base: PowerBase,
+        factor: Expr,
+        value: &dyn Fn(Expr) -> Option<Residue>,
+    ) -> Option<Option<PowerBase>> {
+        let number = |value: i64| PowerBase::Value(self.field.integer(value));
+        let (own, constants) = match base {
+            PowerBase::E => (Function::Ln, [(LN_2, number(2)), (LN_10, number(10))]),
+            _ if base == number(2) => (Function::Log2, [(LOG2_E, PowerBase::E), (LOG2_10, number(10))]),
+            _ if base == number(10) => (Function::Log10, [(LOG10_E, PowerBase::E), (LOG10_2, number(2))]),
+            PowerBase::Value(_) => return None,
+        };
+        match self.graph.node(factor) {
+            Node::Apply(function, arguments) if *function == own => {
+                Some(value(arguments[0]).map(PowerBase::Value))
+            }
+            Node::Float(bits) => {
+                let known = constants.iter().find(|(constant, _)| *constant == f64::from_bits(*bits));
+                known.map(|&(_, base)| Some(base))
+            }
+            _ => None,
+        }
+    }
+
     /// `base^(n/d)`, as an integer power of the base and one of its root of order `d`.
-    fn rational_power(&self, base: Residue, exponent: Rational) -> Option<Residue> {
+    fn rational_power(&self, base: PowerBase, exponent: Rational) -> Option<Residue> {
+        let PowerBase::Value(base) = base else {
+            let (key, count) = self.summand(u64::MAX, exponent);
+            return self.field.power_signed(self.atom(RandomKind::Exponential, key), count);
+        };
         let (field, n, d) = (self.field, exponent.numerator(), exponent.denominator());
         let root = match d {
             1 => Residue::ONE,
@@ -431,58 +529,6 @@ impl Point<'_> {
         };
         let whole = field.power_signed(base, n.div_euclid(d))?;
         Some(field.multiply(whole, field.power_signed(root, n.rem_euclid(d))?))
-    }
-
-    /// `base^exponent`, which maps sums of exponents to products of powers, as `exp` does.
-    fn power(&self, base: Residue, exponent: Expr) -> Option<Residue> {
-        let mut product = Residue::ONE;
-        for (term, coefficient) in linear_terms(self.graph, exponent) {
-            let power = match term {
-                None => self.rational_power(base, coefficient)?,
-                Some(term) => self.power_by(base, term, coefficient)?,
-            };
-            product = self.field.multiply(product, power);
-        }
-        Some(product)
-    }
-
-    /// `base^(coefficient · term)`
-    fn power_by(&self, base: Residue, term: Expr, coefficient: Rational) -> Option<Residue> {
-        let (key, count) = self.summand(term.index() as u64, coefficient);
-        let part = self.atom(RandomKind::Power, mix(mix(base.re, base.im), mix(key, 1)));
-        self.field.power_signed(part, count)
-    }
-
-    /// `exp(argument)`, where `exp(y ln x)` is `x^y`.
-    fn exponential(&self, argument: Expr, value: &dyn Fn(Expr) -> Option<Residue>) -> Option<Residue> {
-        let mut product = Residue::ONE;
-        for (term, coefficient) in linear_terms(self.graph, argument) {
-            let factor = match term.and_then(|term| self.times_logarithm(term)) {
-                Some((of, None)) => self.rational_power(value(of)?, coefficient)?,
-                Some((of, Some(exponent))) => self.power_by(value(of)?, exponent, coefficient)?,
-                None => {
-                    let key = term.map_or(u64::MAX, |term| term.index() as u64);
-                    let (key, count) = self.summand(key, coefficient);
-                    self.field.power_signed(self.atom(RandomKind::Exponential, key), count)?
-                }
-            };
-            product = self.field.multiply(product, factor);
-        }
-        Some(product)
-    }
-
-    /// `x` and `y` of `y ln x`; without `y` if it is 1.
-    fn times_logarithm(&self, term: Expr) -> Option<(Expr, Option<Expr>)> {
-        let logarithm = |expr: Expr| match self.graph.node(expr) {
-            Node::Apply(Function::Ln, arguments) => Some(arguments[0]),
-            _ => None,
-        };
-        if let Some(of) = logarithm(term) {
-            return Some((of, None));
-        }
-        let Node::Product(factors) = self.graph.node(term) else { return None };
-        let &[(a, Rational::ONE), (b, Rational::ONE)] = factors.as_ref() else { return None };
-        logarithm(a).map(|of| (of, Some(b))).or_else(|| logarithm(b).map(|of| (of, Some(a))))
     }
 
     /// `cos + i sin` of the argument: `(1 + i τ) / (1 - i τ)`, a rational point of the circle, for each
@@ -511,6 +557,22 @@ impl Point<'_> {
             None => (mix(key, d as u64), n),
         }
     }
+}
+
+/// The base of a power.
+#[derive(Clone, Copy, PartialEq)]
+enum PowerBase {
+    /// `exp(1)`, which has no value of its own.
+    E,
+    Value(Residue),
+}
+
+/// A number for a product of powers.
+fn key_of(factors: &[(Expr, Rational)]) -> u64 {
+    factors.iter().fold(0, |key, &(base, exponent)| {
+        let power = mix(exponent.numerator() as u64, exponent.denominator() as u64);
+        mix(key, mix(base.index() as u64, power))
+    })
 }
 
 /// A hash of a pair of numbers.

@@ -41,6 +41,21 @@ fn identities_of_roots_and_angles_are_known() {
         "x.log2() * 2.0_f64.ln() - x.ln()",
         "x.log10() * 10.0_f64.ln() - x.ln()",
         "(1.0 + x).ln() - x.ln_1p()",
+        "x.exp2() - (x * std::f64::consts::LN_2).exp()",
+        "(x * x * y / 3.0).exp2() - (x * std::f64::consts::LN_2 * y * x / 3.0).exp()",
+        "((x + y) * std::f64::consts::LN_2).exp() - x.exp2() * y.exp2()",
+        "(x + 1.0).exp2() - 2.0 * (std::f64::consts::LN_2 * x).exp()",
+        "(x * std::f64::consts::LN_10).exp() - 10.0_f64.powf(x)",
+        "(x * std::f64::consts::LN_2).sinh() - (x.exp2() - (-x).exp2()) / 2.0",
+        "((x + y) * u.ln()).exp() - u.powf(x) * u.powf(y)",
+        "(x * std::f64::consts::LOG2_E).exp2() - x.exp()",
+        "(y * x.log2()).exp2() - x.powf(y)",
+        "10.0_f64.powf(x * std::f64::consts::LOG10_2) - x.exp2()",
+        "x.log2() - x.ln() / std::f64::consts::LN_2",
+        "x.log2() - x.ln() * std::f64::consts::LOG2_E",
+        "x.log10() - x.ln() * std::f64::consts::LOG10_E",
+        "x.log10() - x.log2() * std::f64::consts::LOG10_2",
+        "x.log2() - x.log10() * std::f64::consts::LOG2_10",
     ];
     for closure in zero {
         let model = drift(&format!("|[x, y], [u, v]| {closure} + 0.0 * (u + v)"));
@@ -56,6 +71,10 @@ fn identities_of_roots_and_angles_are_known() {
         "x.powf(1.0 / 3.0) - x.powf(2.0 / 3.0)",
         "x.powf(a) - y.powf(a)",
         "x.exp2() - x.exp()",
+        "x.exp2() - (x * std::f64::consts::LN_10).exp()",
+        "x.exp2() - (x * 0.693).exp()",
+        "(x * x).exp2() - (x * std::f64::consts::LN_2).exp()",
+        "x.log2() - x.ln() * std::f64::consts::LOG10_E",
         "x.log2() - x.log10()",
     ] {
         let model = drift(&format!("|[x, y], [u, v]| {closure} + 0.0 * (u + v)"));
