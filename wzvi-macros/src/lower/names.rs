@@ -1,6 +1,8 @@
 //! Name resolution: variables, fields, constants. Tests: `tests/accepted/parameters.rs`,
 //! `tests/steps/names.rs`.
 
+use std::f64::consts;
+
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::ext::IdentExt;
@@ -60,6 +62,9 @@ impl<'a> Interpreter<'a, '_> {
             [.., last] => last.clone(),
             [] => return None,
         };
+        if let Some(value) = standard_constant(&segments) {
+            return Some(Value::Real(self.graph.float(value)));
+        }
         if path.path.segments.last().is_some_and(|last| is_constant_name(&last.ident)) {
             let place = Place::new(name, path.to_token_stream(), FieldKind::Constant);
             return Some(Value::Constant(place.into()));
@@ -121,6 +126,24 @@ impl<'a> Interpreter<'a, '_> {
 
     fn field_names(&self) -> Vec<String> {
         self.system.fields.iter().map(|field| field.member.to_token_stream().to_string()).collect()
+    }
+}
+
+/// The number that a path from `std::f64::consts` or `core::f64::consts` names, if identities of logarithms are
+/// known of it. Other constants, and imported names, may have any value.
+fn standard_constant(segments: &[String]) -> Option<f64> {
+    let [library, real, module, name] = segments else { return None };
+    if !matches!(library.as_str(), "std" | "core") || real != "f64" || module != "consts" {
+        return None;
+    }
+    match name.as_str() {
+        "LN_2" => Some(consts::LN_2),
+        "LN_10" => Some(consts::LN_10),
+        "LOG2_E" => Some(consts::LOG2_E),
+        "LOG2_10" => Some(consts::LOG2_10),
+        "LOG10_E" => Some(consts::LOG10_E),
+        "LOG10_2" => Some(consts::LOG10_2),
+        _ => None,
     }
 }
 
