@@ -14,8 +14,7 @@ use crate::lower::lower;
 use crate::model::System;
 use crate::symbolic::{Expr, Graph, Rational};
 
-/// Drift with what is beside it, the struct, and schemes, of which each is to be generated in the same way beside
-/// any other.
+/// Drift with what is beside it, the struct, and schemes: each is generated in the same way beside any other.
 const SYSTEMS: [(&str, &str, &[&str]); 8] = [
     (
         "drift = |[x, y], [px, py]| 0.5 * (px * px / m + py * py / n) + 0.5 * k * (x * x + y * y) + c * x * x * y",
@@ -138,8 +137,8 @@ fn written(system: System) -> String {
     quote! { #doc #item #implementations }.to_string()
 }
 
-/// Makes derivatives, sums and products of the parts of an expression, from the last to the first: other nodes
-/// in another order than the compiler does.
+/// Makes derivatives, sums and products of the parts of an expression, from the last to the first: other
+/// nodes, in another order than the compiler.
 fn disturb(graph: &mut Graph, expr: Expr) {
     let (parts, symbols) = (graph.reachable(&[expr]), graph.symbols_in(expr));
     let is_real = |graph: &Graph, part: Expr| {

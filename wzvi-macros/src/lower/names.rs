@@ -129,8 +129,8 @@ impl<'a> Interpreter<'a, '_> {
     }
 }
 
-/// The number that a path from `std::f64::consts` or `core::f64::consts` names, if identities of logarithms are
-/// known of it. Other constants, and imported names, may have any value.
+/// The number that a path from `std::f64::consts` or `core::f64::consts` names, if identities of logarithms
+/// are known of it. Other constants, and imported names, may have any value.
 fn standard_constant(segments: &[String]) -> Option<f64> {
     let [library, real, module, name] = segments else { return None };
     if !matches!(library.as_str(), "std" | "core") || real != "f64" || module != "consts" {

@@ -28,7 +28,7 @@ use crate::symbolic::{Expr, Node, SymbolKind};
 
 /// The place of a division in a term.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-enum Place {
+enum DivisionPlace {
     /// A term without it is a term of another Hamiltonian.
     Always,
     /// In a loop that may have no turn.
@@ -51,14 +51,17 @@ pub(crate) fn divisors(system: &mut System) {
     let others: Vec<&Term> = system.terms().skip(1).collect();
     let others = divisions(system, &others);
     let is_divided_elsewhere = |divisor: Divisor| {
-        drift.contains(&(divisor, Place::Elsewhere)) || others.iter().any(|(other, _)| *other == divisor)
+        drift.contains(&(divisor, DivisionPlace::Elsewhere))
+            || others.iter().any(|(other, _)| *other == divisor)
     };
-    let is_nonzero = |&(divisor, place): &(Divisor, Place)| match (divisor, place) {
-        (_, Place::Elsewhere) => false,
-        (Divisor::Expression(_), Place::Always) => true,
-        (Divisor::Expression(_), Place::InLoop) | (Divisor::List(_), _) => !is_divided_elsewhere(divisor),
+    let is_nonzero = |&(divisor, place): &(Divisor, DivisionPlace)| match (divisor, place) {
+        (_, DivisionPlace::Elsewhere) => false,
+        (Divisor::Expression(_), DivisionPlace::Always) => true,
+        (Divisor::Expression(_), DivisionPlace::InLoop) | (Divisor::List(_), _) => {
+            !is_divided_elsewhere(divisor)
+        }
     };
-    let nonzero: Vec<(Divisor, Place)> = drift.iter().copied().filter(is_nonzero).collect();
+    let nonzero: Vec<(Divisor, DivisionPlace)> = drift.iter().copied().filter(is_nonzero).collect();
     if nonzero.is_empty() {
         return;
     }
@@ -83,10 +86,11 @@ pub(crate) fn divisors(system: &mut System) {
 }
 
 /// The divisions by parameters in these terms.
-fn divisions(system: &System, terms: &[&Term]) -> HashSet<(Divisor, Place)> {
+fn divisions(system: &System, terms: &[&Term]) -> HashSet<(Divisor, DivisionPlace)> {
     let mut found = HashSet::new();
     let mut met = HashSet::new();
-    let mut pending: Vec<(Expr, Place)> = terms.iter().map(|term| (term.expression, Place::Always)).collect();
+    let mut pending: Vec<(Expr, DivisionPlace)> =
+        terms.iter().map(|term| (term.expression, DivisionPlace::Always)).collect();
     while let Some((expr, place)) = pending.pop() {
         if !met.insert((expr, place)) {
             continue;
@@ -98,25 +102,25 @@ fn divisions(system: &System, terms: &[&Term]) -> HashSet<(Divisor, Place)> {
                     let cancels = factors.iter().any(|&(other, e)| other == base && !e.is_negative());
                     match divisor(system, base) {
                         _ if !exponent.is_negative() => pending.push((base, place)),
-                        Some(divisor) if cancels => _ = found.insert((divisor, Place::Elsewhere)),
+                        Some(divisor) if cancels => _ = found.insert((divisor, DivisionPlace::Elsewhere)),
                         Some(divisor) => _ = found.insert((divisor, place)),
-                        None => pending.push((base, Place::Elsewhere)),
+                        None => pending.push((base, DivisionPlace::Elsewhere)),
                     }
                 }
             }
             &Node::Symbol(symbol) => {
                 if let Some(IndexedSum { range, body, .. }) = system.symbols.sum_of(symbol) {
                     let has_turns = range.length().is_some_and(|length| length > 0);
-                    pending.push((*body, if has_turns { place } else { place.max(Place::InLoop) }));
+                    pending.push((*body, if has_turns { place } else { place.max(DivisionPlace::InLoop) }));
                 }
             }
-            other => other.for_each_operand(|operand| pending.push((operand, Place::Elsewhere))),
+            other => other.for_each_operand(|operand| pending.push((operand, DivisionPlace::Elsewhere))),
         }
     }
     found
 }
 
-/// What a power of `base` divides by, if it reads parameters alone.
+/// The divisor in negative powers of `base`, if that reads parameters alone.
 fn divisor(system: &System, base: Expr) -> Option<Divisor> {
     let System { graph, symbols, .. } = system;
     if let Some(local) = graph.as_symbol(base).and_then(|symbol| symbols.local_of(symbol)) {

@@ -84,8 +84,8 @@ pub(crate) enum Node {
         constant: Rational,
     },
     /// `Π base^exponent`, sorted by (base, exponent). Exponents of opposite sign of one base stay separate
-    /// unless the base is known not to be zero, and fractional exponents occur only with bases proven nonnegative:
-    /// the domain is preserved. Bases are neither products nor multiples that could be flattened (the
+    /// unless the base is known not to be zero, and fractional exponents occur only with bases proven
+    /// nonnegative: the domain is preserved. Bases are neither products nor multiples that could be flattened (the
     /// exceptions are those of sums, and products with exponents beyond those of `powi`).
     Product(Box<[(Expr, Rational)]>),
     Apply(Function, Box<[Expr]>),
@@ -246,8 +246,8 @@ impl Graph {
         symbol
     }
 
-    /// From now on `expr` counts as not zero: a power of it cancels with its inverse in new products. This may
-    /// be assumed where no value is used unless that holds.
+    /// Makes `expr` count as not zero: in new products a power of it cancels with its inverse. This may be
+    /// assumed where no value is used unless it holds.
     pub(crate) fn assume_nonzero(&mut self, expr: Expr) {
         self.nonzero.insert(expr);
     }

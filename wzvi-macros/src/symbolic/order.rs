@@ -36,11 +36,11 @@ pub(crate) enum SymbolKind {
 /// The largest degree: that of expressions that are no polynomials.
 const NO_POLYNOMIAL: u8 = u8::MAX;
 
-/// Comparisons of so many levels are remembered. So the comparisons of two expressions that are nested `n` times
-/// cost `n`, not `n²`.
+/// Comparisons of so many levels are remembered. So the comparisons of two expressions that are nested `n`
+/// times cost `n`, not `n²`.
 const LONG: usize = 8;
 
-/// What is known of the place of a node among others without its operands.
+/// The place of a node among others, as far as it is known without a look at operands.
 #[derive(Clone, Copy)]
 pub(super) struct OrderKey {
     /// The first five criteria, and of variables the sixth, most significant first.

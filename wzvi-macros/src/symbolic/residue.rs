@@ -3,8 +3,8 @@
 //! With every function of one argument node replaced by an independent random number (or a rational function
 //! of one, so that `sin² + cos² = 1`, addition theorems and `2 sin²(x/2) = 1 - cos x` hold; `hypot(x, y)` is
 //! `√(x² + y²)`, `x^y` maps sums of exponents to products, `2^x` is such a power of 2, `log2`, `log10` and
-//! `ln(1 + x)` are logarithms `ln`, and the binary64 numbers next to `ln 2`, `ln 10` and their quotients stand for
-//! these), an expression is a rational function of degree `d` in random numbers
+//! `ln(1 + x)` are logarithms `ln`, and the binary64 numbers next to `ln 2`, `ln 10` and their quotients stand
+//! for these), an expression is a rational function of degree `d` in random numbers
 //! of the field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p`
 //! (Schwartz, Zippel), below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals
 //! could still vanish modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure,
@@ -488,8 +488,8 @@ impl Point<'_> {
         }
     }
 
-    /// `x`, if `factor` is the logarithm of `x` to this base: `base^(y factor)` is `x^y`. Without a value where
-    /// `x` has none.
+    /// `x`, if `factor` is the logarithm of `x` to this base: `base^(y factor)` is `x^y`. The inner option is
+    /// empty where `x` has no value.
     fn base_of_logarithm(
         &self,
         base: PowerBase,
