@@ -9,6 +9,7 @@
 //! * `bodies`: gravity between all pairs, softened, h = 0.01; also in C with `omp simd` (`hand_bodies.c`), and per pair.
 //! * `lattice`: the field φ⁴ on a torus of N = n² sites, h = 0.05; also in C (`hand_field.c`).
 //! * `ring`: coupled pendulums around a ring, h = 0.05; also in C; `Baoab` with increments that are there.
+//! * `mean field`: rotors that feel their magnetisation, h = 0.05.
 //! * `network`: oscillators on a random graph with a table of 3 bonds per site, N = 4096, h = 0.05; also in C (`hand_network.c`).
 //! * `polymer`: a chain of points in space, per point.
 //! * `stiff`: `Midpoint` where the fixed point does not contract: FPUT-alpha-beta at h = 3, and the field φ⁴ on 256² sites with `k h²` from 1 to 10⁶.
@@ -23,6 +24,7 @@ mod bodies;
 mod c_program;
 mod chain;
 mod lattice;
+mod mean_field;
 mod measure;
 mod memory;
 mod network;
@@ -39,6 +41,7 @@ fn cases() -> Vec<Case> {
     cases.extend(bodies::cases());
     cases.extend(lattice::cases());
     cases.extend(ring::cases());
+    cases.extend(mean_field::cases());
     cases.extend(network::cases());
     cases.extend(stiff::cases());
     cases

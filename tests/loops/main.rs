@@ -4,6 +4,7 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod choice;
+mod collective;
 mod elements;
 mod lattice;
 mod one_by_one;

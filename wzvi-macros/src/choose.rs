@@ -50,6 +50,9 @@ impl MostAdded {
 /// The most placements of elements in a sketch. A system with more is not written out.
 const MOST_PLACEMENTS: usize = 4096;
 
+/// The most terms of a sum that a sketch writes out: a nonlinear function of more is in loops.
+const MOST_WRITTEN: i128 = 16;
+
 /// The forms of everything that is emitted.
 pub(crate) struct Choice {
     /// The forms of the steps with one `P`.
@@ -138,7 +141,7 @@ impl Sketch {
         let points = system.size.as_integer()?;
         let degrees = usize::try_from(points.checked_mul(system.components)?).ok()?;
         let has_phase = !system.symbols.phase()[0].is_empty();
-        let [drift, noise] = sketched(system).filter(|_| has_phase)?;
+        let [drift, noise] = sketched(system, MOST_WRITTEN).filter(|_| has_phase)?;
         let is_drawn = system.friction.is_some() && !system.has_thermostat();
         let has_correction = system.ito.is_some();
         let mut placer =

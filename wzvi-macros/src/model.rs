@@ -13,6 +13,7 @@ use std::rc::Rc;
 
 use proc_macro2::TokenStream;
 
+pub(crate) use self::collective::{Collective, CollectiveRole, CollectiveSlot, Collectives, Variables};
 pub(crate) use self::index::{Atom, Bounds, Index, IndexOperation, Loop, Outlier};
 use self::symbols::Symbols;
 use crate::diagnostics::{Extent, Located, promised};
@@ -20,6 +21,7 @@ use crate::embedding::Embedding;
 use crate::input::{Labels, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};
 
+pub(crate) mod collective;
 pub(crate) mod display;
 pub(crate) mod index;
 pub(crate) mod symbols;
@@ -86,6 +88,8 @@ pub(crate) enum Slot {
     Entry(u32, Vec<Index>),
     /// An integer as a real number.
     Number(Index),
+    /// A collective variable.
+    Collective(CollectiveSlot),
 }
 
 /// A local variable.
@@ -105,10 +109,16 @@ pub(crate) struct Element {
 }
 
 /// Whether an element reads coordinates, and whether momenta.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) struct Reads {
     pub(crate) q: bool,
     pub(crate) p: bool,
+}
+
+impl Reads {
+    pub(crate) fn or(self, other: Self) -> Self {
+        Self { q: self.q || other.q, p: self.p || other.p }
+    }
 }
 
 impl Element {
@@ -142,8 +152,10 @@ impl Element {
         self.coordinates().chain(self.momenta()).map(|(symbol, _)| symbol).collect()
     }
 
+    /// Whether an element reads coordinates, and whether momenta, by itself or by collective variables.
     pub(crate) fn reads(&self) -> Reads {
-        Reads { q: self.coordinates().next().is_some(), p: self.momenta().next().is_some() }
+        let own = Reads { q: self.coordinates().next().is_some(), p: self.momenta().next().is_some() };
+        self.collectives().map(|(_, slot)| slot.reads).fold(own, Reads::or)
     }
 }
 
@@ -239,6 +251,8 @@ pub(crate) struct System {
     /// The meanings of the symbols other than time and parameters.
     pub(crate) symbols: Symbols,
     pub(crate) t: Symbol,
+    /// The sums of which Hamiltonians are nonlinear functions, and the slopes by these.
+    pub(crate) collectives: Collectives,
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) tables: Vec<Table>,
     /// Integers of unsigned types that may be negative, in their loops.
@@ -309,7 +323,7 @@ impl System {
     /// The degrees of freedom, where they are known and no element has loops.
     pub(crate) fn degrees_in_straight_lines(&self) -> Option<usize> {
         let mut elements = self.terms().chain(&self.summands).flat_map(|term| &term.values);
-        let is_straight = elements.all(|element| element.loops.is_empty());
+        let is_straight = self.collectives.is_empty() && elements.all(|element| element.loops.is_empty());
         let degrees = self.size.as_integer().filter(|_| is_straight)?.checked_mul(self.components)?;
         usize::try_from(degrees).ok()
     }

@@ -67,10 +67,14 @@ messages! {
     index_outside(found, index: i128, degrees: i128) = "in a branch, this reads degree of freedom {index}, and there \
         are {degrees}, numbered from 0: both branches of a condition are evaluated; where an index wraps around, write \
         `(i + n - 1) % n`";
-    nonlinear_sum(found) = "this Hamiltonian is a nonlinear function of a sum of many terms: sums may \
-        be added, and multiplied by what they do not contain; write the square of a sum as a double sum, \
-        `(0..n).map(|i| (0..n).map(|j| x[i] * x[j]).sum::<f64>()).sum::<f64>()`; other functions of a sum need a \
-        length that is a literal, as in `q: [f64; 8]`";
+    nonlinear_sum(found) = "this is a nonlinear function of a sum that reads the variable of a loop around it, or of \
+        one in a family of noises: a sum over sites may stand in any function where it reads no such variable, as in `let m: \
+        f64 = q.iter().sum();`; write the square of another sum as a double sum, `(0..n).map(|i| (0..n).map(|j| x[i] * \
+        x[j]).sum::<f64>()).sum::<f64>()`, or give it a length that is a literal";
+    collective_noise(found) = "under `calculus = Ito`, a noise cannot be a nonlinear function of a sum over sites: the \
+        conversion does not take its derivatives; write the equations in the sense of Stratonovich, without `calculus`";
+    collective_friction(found) = "friction and temperature cannot be nonlinear functions of a sum over sites; write such \
+        friction as a force, `force = |q, p| ...`, without a temperature";
     family_count(found) = "the number of noises of a family is an integer, a constant or a field, as in \
         `[|q, p, k| q[k]; N]`";
     too_many_members(found, limit: i128) = "more than {limit} noises that differ in more than a number: use the number \

@@ -30,7 +30,7 @@ messages! {
         with a part that contains coordinates only";
     /// A counter-term whose indices the compiler cannot write.
     counter_term_of_elements(found, scheme: &impl Display) = "the counter-term of `{scheme}` cannot be written: \
-        its indices exceed 128 bits; use `Midpoint`, which is consistent with every noise";
+        its indices exceed 128 bits, or a noise is a nonlinear function of a sum over sites; use `Midpoint`, which is consistent with every noise";
     thermostat_without_friction(found, scheme: &impl Display) = "`{scheme}` is for systems with friction: add \
         `friction = ...` (1/time) and `temperature = ...` (energy)";
     temperatures_of_coupled_momenta(found) = "temperatures that differ need a friction and masses that do not couple \

@@ -17,7 +17,7 @@ use crate::discretise::{
     Block, Facts, NoiseClass, Scheme, Solution, StepSymbols, Unknown, modified, unweighted,
 };
 use crate::embedding::{Embedding, Points};
-use crate::model::{Conversion, Form, System, Term};
+use crate::model::{CollectiveRole, Conversion, Form, System, Term};
 use crate::symbolic::{Graph, Knowledge, Rational};
 
 /// The text of one scheme, from the discrete Lagrangian to the step.
@@ -61,6 +61,22 @@ pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
             Some([only]) => say!(text, "  F{number} = {only}"),
             Some(components) => say!(text, "  F{number} = [{}]", components.join(", ")),
             None => say!(text, "  F{number} · δ{} = {}", names[0], value(graph, force)),
+        }
+    }
+    let collectives = facts.space.collectives();
+    if !collectives.is_empty() {
+        say!(text, "\nCollective variables, and the slopes by these");
+        for known in collectives.all() {
+            let name = graph.symbol_name(known.symbol).to_owned();
+            let of = match known.role {
+                CollectiveRole::Sum => String::new(),
+                CollectiveRole::Slope(number) => {
+                    let sum = &collectives.all()[number as usize];
+                    format!(" = ∂H/∂{}", graph.symbol_name(sum.symbol))
+                }
+            };
+            let value = facts.space.display(graph, &unweighted(&known.elements), Rational::ONE);
+            say!(text, "  {name}{of} = {value}");
         }
     }
     if let Some(rate) = *conformal {

@@ -198,6 +198,9 @@ impl Facts {
                     sums.contract((&driven, Half::Coordinates), (&driven, Half::Momenta), increments);
                 sums.is_constant(product, increments)
             });
+        // The derivatives of a counter-term by collective variables are not emitted.
+        let is_of_sites = |sum: &Sum| !sum.iter().any(|weighted| weighted.element.is_collective());
+        let counter_term = KnownSum { sum: counter_term.sum.filter(is_of_sites), ..counter_term };
         let (energy, boundaries) = Energy::of(sums, &hamiltonians);
         let class = noise_class(sums.graph, &noises);
         let energy_form = match energy.is_conserved {
@@ -324,7 +327,7 @@ fn boundaries_of(graph: &mut Graph, hamiltonian: &Sum, t: Symbol) -> Vec<Boundar
 }
 
 fn boundaries_in(graph: &mut Graph, element: &Element, t: Symbol) -> Vec<Boundary> {
-    let mut state = element.state();
+    let mut state = element.moving();
     state.push(t);
     boundaries(graph, element.value, &state)
 }
@@ -363,7 +366,8 @@ fn noise_class(graph: &mut Graph, noises: &[Element]) -> NoiseClass {
 
 fn is_affine(graph: &mut Graph, element: &Element) -> bool {
     let state = element.state();
-    !graph.has_pieces(element.value, &state)
+    !element.is_collective()
+        && !graph.has_pieces(element.value, &state)
         && state.iter().all(|&symbol| {
             let slope = graph.derivative(element.value, symbol);
             !graph.depends_on(slope, &state)

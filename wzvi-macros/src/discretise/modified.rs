@@ -61,7 +61,7 @@ pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> O
     let formula = format!("{} + h² ({second_order})", sum(first_order));
     let order = if first.is_zero() { "O(h⁴)" } else { "O(h³)" };
     let mut text = format!("  modified energy, kept within {order}: {formula}\n");
-    if facts.is_separable {
+    if facts.is_separable && !facts.drift.iter().any(|weighted| weighted.element.is_collective()) {
         let (space, drift) = (&mut facts.space.clone(), &facts.drift);
         let (q, p) = (Half::Coordinates, Half::Momenta);
         let mut sums = Calculus { space, graph };

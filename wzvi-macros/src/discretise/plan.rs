@@ -175,6 +175,9 @@ fn is_affine(system: &mut System, facts: &Facts, Quadrature { stages }: &Quadrat
             element.of_half(half).map(|(symbol, _)| symbol).collect()
         };
         elements.into_iter().all(|element| {
+            if element.is_collective() {
+                return false;
+            }
             let [q, p, along] =
                 [Half::Coordinates, Half::Momenta, Half::Displacements].map(|half| symbols(half, element));
             let mut moving = if moves_p { p.clone() } else { Vec::new() };

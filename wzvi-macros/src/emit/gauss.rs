@@ -43,7 +43,7 @@ fn field(system: &mut System, is_nystrom: bool, plans: &Plans) -> TokenStream {
     let Plans { flows, gradient, .. } = plans;
     let slopes = gradient.as_ref().map(|gradient| self::gradient(&mut system.graph, gradient));
     let line = gradient.as_ref().map(|gradient| &*gradient.line);
-    let reads_time = |element: &Element| system.graph.depends_on(element.value, &[system.t]);
+    let reads_time = |element: &Element| element.reads_time(&system.graph, system.t);
     let in_lanes = line.is_some() || !system.acting().any(reads_time);
     let noises = length_type(line.map(StraightLine::noises));
     let reads_time = flows.is_some_and(|flows| flows.force_reads_time);

@@ -34,7 +34,7 @@ use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shap
 use crate::key::Key;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
-use crate::model::{Family, Form, Half, Noise, Slot, System, Term};
+use crate::model::{Collectives, Family, Form, Half, Noise, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Symbol, SymbolKind};
 
 use arrays::{Array, Origin};
@@ -118,6 +118,7 @@ pub(crate) fn lower(
         tables: tables.into_list(),
         naturals: naturals.values,
         drift,
+        collectives: Collectives::default(),
         summands: parts,
         noise: noise.into_iter().flatten().collect(),
         force: force?.pop(),

@@ -83,6 +83,8 @@ impl IndexNames<'_> {
             Slot::Number(index) if index.terms.len() == 1 && index.constant == 0 => self.index(index),
             Slot::Number(index) => format!("({})", self.index(index)),
             Slot::Entry(table, indices) => self.entry(*table, indices),
+            // It has a name from the start.
+            Slot::Collective(slot) => format!("S{}", slot.number + 1),
         }
     }
 }

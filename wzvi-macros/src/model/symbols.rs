@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::display::{IndexNames, letter_at};
 use super::index::{Index, Loop};
-use super::{Half, Local, Slot, Table};
+use super::{CollectiveSlot, Element, Half, Local, Slot, Table, Variables};
 use crate::symbolic::{Expr, Graph, Symbol, SymbolKind};
 
 /// The meaning of a sum symbol: `Σ_(range) body`.
@@ -29,6 +29,8 @@ pub(crate) struct Symbols {
     /// The coordinates and momenta in the order of the state vector, where each is a variable from the start.
     phase: [Vec<Symbol>; 2],
     letters: Vec<&'static str>,
+    /// The loop variables of [`Symbols::variable_at`].
+    by_depth: Vec<u32>,
 }
 
 impl Symbols {
@@ -56,6 +58,15 @@ impl Symbols {
     pub(crate) fn variable(&mut self, depth: usize) -> u32 {
         self.letters.push(letter_at(depth));
         (self.letters.len() - 1) as u32
+    }
+
+    /// The variable of loops inside of `depth` loops in sums that do not read what is around them.
+    pub(crate) fn variable_at(&mut self, depth: usize) -> u32 {
+        while self.by_depth.len() <= depth {
+            let variable = self.variable(self.by_depth.len());
+            self.by_depth.push(variable);
+        }
+        self.by_depth[depth]
     }
 
     /// The variable at `slot`, the same wherever it is named.
@@ -156,6 +167,17 @@ impl Symbols {
     }
 }
 
+impl Variables for Symbols {
+    fn declare_collective(&mut self, graph: &mut Graph, slot: CollectiveSlot, name: String) -> Symbol {
+        self.declare(graph, Slot::Collective(slot), name)
+    }
+
+    fn element_in(&self, graph: &Graph, loops: Vec<Loop>, value: Expr) -> Element {
+        let locals = self.locals_among(graph.symbols_in(value).into_iter());
+        Element { loops, value, locals }
+    }
+}
+
 impl Slot {
     /// The slot with every index in it mapped; `None` on overflow.
     pub(crate) fn map(&self, f: impl Fn(&Index) -> Option<Index>) -> Option<Self> {
@@ -163,6 +185,7 @@ impl Slot {
             Self::State(half, index) => Self::State(*half, f(index)?),
             Self::Number(index) => Self::Number(f(index)?),
             Self::Entry(table, indices) => Self::Entry(*table, indices.iter().map(f).collect::<Option<_>>()?),
+            Self::Collective(slot) => Self::Collective(*slot),
         })
     }
 
@@ -179,6 +202,7 @@ impl Slot {
             Self::State(Half::Momenta, _) => SymbolKind::Momentum,
             Self::State(Half::Displacements, _) => SymbolKind::Displacement,
             Self::Number(_) | Self::Entry(..) => SymbolKind::Parameter,
+            Self::Collective(_) => SymbolKind::Auxiliary,
         }
     }
 
@@ -187,6 +211,7 @@ impl Slot {
         match self {
             Self::State(_, index) | Self::Number(index) => std::slice::from_ref(index),
             Self::Entry(_, indices) => indices,
+            Self::Collective(_) => &[],
         }
     }
 }

@@ -5,7 +5,11 @@
 //! computed from the unsplit elements: split, `k (1 - cos d)` would be the difference of two sums of large
 //! numbers.
 //!
-//! Tests: `tests/loops/spellings.rs`.
+//! A sum over sites in the argument of a nonlinear function, `f(Σ_i g_i)`, becomes a collective variable
+//! ([`crate::model::collective`]) that an element reads. One that reads the variable of a loop around it is
+//! written out.
+//!
+//! Tests: `tests/loops/spellings.rs`, `tests/loops/collective.rs`.
 
 use std::collections::HashMap;
 
@@ -13,7 +17,10 @@ use super::unroll::{Unroller, unroller_and_terms};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::distinct::Distinct;
 use crate::model::symbols::IndexedSum;
-use crate::model::{Element, Family, Index, Loop, Noise, Reads, Slot, System, Term};
+use crate::model::{
+    Atom, CollectiveRole, Element, Family, Half, Index, Loop, Noise, Reads, Slot, System, Term,
+    Variables as _,
+};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// Makes the elements of every term; reports terms that are not sums of elements.
@@ -35,11 +42,22 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
             diagnostics.report(expressions::index_outside(term.extent, index, degrees));
         }
     }
+    let is_collective = |term: &&Term| term.values.iter().any(Element::is_collective);
+    let noises = system.noise.iter().filter(|_| system.ito.is_some()).map(|noise| &noise.term);
+    for term in noises.filter(is_collective) {
+        diagnostics.report(expressions::collective_noise(term.extent));
+    }
+    let friction = system.friction.iter().map(|friction| &friction.term);
+    let temperature = system.temperature.iter().map(|temperature| &temperature.term);
+    for term in friction.chain(temperature).filter(is_collective) {
+        diagnostics.report(expressions::collective_friction(term.extent));
+    }
 }
 
 /// The elements of the drift with what acts beside it, and those of the noises, without changes to the
-/// system; `None` if a term is not a sum of elements.
-pub(crate) fn sketched(system: &mut System) -> Option<[Vec<Element>; 2]> {
+/// system; `None` if a term is not a sum of elements. Nonlinear functions of sums of at most `most_written`
+/// terms are written out.
+pub(crate) fn sketched(system: &mut System, most_written: i128) -> Option<[Vec<Element>; 2]> {
     // Friction is a flow of its own in a thermostat.
     let friction = system.friction.iter().filter(|_| !system.has_thermostat());
     let beside = system.force.iter().chain(friction.map(|friction| &friction.term));
@@ -50,6 +68,7 @@ pub(crate) fn sketched(system: &mut System) -> Option<[Vec<Element>; 2]> {
         .map(|noise| (noise.term.expression, members(noise).into_iter().collect()))
         .collect();
     let (mut writer, ..) = unroller_and_terms(system);
+    (writer.collectives, writer.most_written) = (None, most_written);
     let mut elements = <[Vec<Element>; 2]>::default();
     for expression in drift {
         writer.decompose(expression, &[], &mut elements[0])?;
@@ -84,14 +103,30 @@ impl Unroller<'_> {
     /// The elements of a Hamiltonian inside of `loops`.
     fn collect(&mut self, term: &mut Term, loops: &[Loop]) -> Option<()> {
         let mut values = Vec::new();
-        self.decompose(term.expression, loops, &mut values)?;
-        term.elements = values.iter().flat_map(|element| self.parted(element)).collect();
+        // Each member of a family has its own increment, by which slopes would differ.
+        let collectives = if loops.is_empty() { None } else { self.collectives.take() };
+        let decomposed = self.decompose(term.expression, loops, &mut values);
+        self.collectives = self.collectives.take().or(collectives);
+        decomposed?;
+        let mut elements = Vec::new();
+        for element in self.with_slopes(&values) {
+            elements.extend(self.parted(&element));
+        }
+        term.elements = elements;
         term.values = values;
         Some(())
     }
 
+    /// The elements with the first derivatives of `values` where collective variables count as constants.
+    fn with_slopes(&mut self, values: &[Element]) -> Vec<Element> {
+        match &mut self.collectives {
+            Some(all) if !all.is_empty() => all.with_slopes(self.graph, self.t, values, self.symbols),
+            _ => values.to_vec(),
+        }
+    }
+
     fn decompose(&mut self, expr: Expr, loops: &[Loop], into: &mut Vec<Element>) -> Option<()> {
-        let (expr, present) = self.linear_in_sums(expr)?;
+        let (expr, present) = self.linear_in_sums(expr, !loops.is_empty())?;
         for (symbol, IndexedSum { range, body, .. }) in &present {
             let factor = self.graph.derivative(expr, *symbol);
             let body = self.graph.multiply(factor, *body);
@@ -109,25 +144,104 @@ impl Unroller<'_> {
         Some(())
     }
 
-    /// `expr` with the sums in arguments of nonlinear functions written out, and its other sums.
-    fn linear_in_sums(&mut self, mut expr: Expr) -> Option<(Expr, Vec<(Symbol, IndexedSum)>)> {
+    /// The collective variable of a sum that reads no displacement and no variable of a loop around it;
+    /// `Some(None)` for another sum, `None` if its body is no sum of elements.
+    fn collective(&mut self, symbol: Symbol, sum: &IndexedSum) -> Option<Option<Expr>> {
+        let own = self.graph.symbol(symbol);
+        if self.collectives.is_none() || !self.is_closed(own, &mut Vec::new()) {
+            return Some(None);
+        }
+        let mut elements = Vec::new();
+        self.decompose(sum.body, std::slice::from_ref(&sum.range), &mut elements)?;
+        let elements: Vec<Element> =
+            elements.iter().map(|element| self.renumbered(element)).collect::<Option<_>>()?;
+        let Self { graph, symbols, t, collectives: Some(all), .. } = self else { return Some(None) };
+        let variable = all.variable(graph, *t, CollectiveRole::Sum, elements, &mut **symbols);
+        Some(Some(graph.symbol(variable)))
+    }
+
+    /// Whether an expression reads no displacement, and no variable of a loop but those of its own sums and
+    /// those in `inside`.
+    fn is_closed(&self, expr: Expr, inside: &mut Vec<u32>) -> bool {
+        let is_known = |index: &Index, inside: &[u32]| index.loops().iter().all(|own| inside.contains(own));
+        self.graph.symbols_in(expr).into_iter().all(|symbol| {
+            if let Some(IndexedSum { range, body, .. }) = self.symbols.sum_of(symbol) {
+                if ![&range.start, &range.end].into_iter().all(|index| is_known(index, inside)) {
+                    return false;
+                }
+                inside.push(range.variable);
+                let is_closed = self.is_closed(*body, inside);
+                inside.pop();
+                return is_closed;
+            }
+            self.symbols.local_of(symbol).is_none_or(|local| {
+                !matches!(local.slot, Slot::State(Half::Displacements, _))
+                    && local.slot.indices().iter().all(|index| is_known(index, inside))
+            })
+        })
+    }
+
+    /// An element whose loop variables are numbered by depth, so that equal sums are one, and sums over the
+    /// same sites are in the same loops.
+    fn renumbered(&mut self, element: &Element) -> Option<Element> {
+        let mut loops = element.loops.clone();
+        let mut by: Vec<(u32, Index)> = Vec::new();
+        let moved = |index: &Index, by: &[(u32, Index)]| {
+            by.iter().try_fold(index.clone(), |index, (own, by)| index.with(*own, by))
+        };
+        for (depth, known) in loops.iter_mut().enumerate() {
+            let variable = self.symbols.variable_at(depth);
+            known.start = moved(&known.start, &by)?;
+            known.end = moved(&known.end, &by)?;
+            by.push((std::mem::replace(&mut known.variable, variable), Index::atom(Atom::Loop(variable))));
+        }
+        let mut images = HashMap::new();
+        for local in &element.locals {
+            let slot = local.slot.map(|index| moved(index, &by))?;
+            if slot != local.slot {
+                let symbol = self.symbols.local(self.graph, slot, self.tables);
+                images.insert(local.symbol, self.graph.symbol(symbol));
+            }
+        }
+        let value = self.graph.substitute(&[element.value], &images)[0];
+        Some(self.symbols.element_in(self.graph, loops, value))
+    }
+
+    /// `expr` with collective variables for the sums in arguments of nonlinear functions, or with these
+    /// written out, and its other sums. Inside of loops a sum that reads none of their variables is a
+    /// collective variable, too, so that it is evaluated once.
+    fn linear_in_sums(
+        &mut self,
+        mut expr: Expr,
+        is_inside: bool,
+    ) -> Option<(Expr, Vec<(Symbol, IndexedSum)>)> {
         loop {
             let symbols = self.graph.symbols_in(expr).into_iter();
             let present: Vec<(Symbol, IndexedSum)> =
                 symbols.filter_map(|symbol| Some((symbol, self.symbols.sum_of(symbol)?.clone()))).collect();
             let names: Vec<Symbol> = present.iter().map(|(symbol, _)| *symbol).collect();
-            let nonlinear = present.iter().filter(|(symbol, _)| {
+            let is_nonlinear = present.iter().map(|(symbol, _)| {
                 let factor = self.graph.derivative(expr, *symbol);
                 self.graph.depends_on(factor, &names) || self.graph.has_pieces(expr, &[*symbol])
             });
-            let nonlinear: Vec<&(Symbol, IndexedSum)> = nonlinear.collect();
-            if nonlinear.is_empty() {
-                return Some((expr, present));
-            }
+            let is_nonlinear: Vec<bool> = is_nonlinear.collect();
             let mut images = HashMap::new();
-            for (symbol, sum) in nonlinear {
-                let written = self.written_out(sum)?;
-                images.insert(*symbol, written);
+            for ((symbol, sum), is_nonlinear) in present.iter().zip(&is_nonlinear) {
+                if (*is_nonlinear || is_inside)
+                    && let Some(variable) = self.collective(*symbol, sum)?
+                {
+                    images.insert(*symbol, variable);
+                }
+            }
+            // The others may be linear now: the displacement in `δq_j f(S)`.
+            if images.is_empty() {
+                for ((symbol, sum), _) in present.iter().zip(&is_nonlinear).filter(|(_, known)| **known) {
+                    let written = self.written_out(sum)?;
+                    images.insert(*symbol, written);
+                }
+            }
+            if images.is_empty() {
+                return Some((expr, present));
             }
             expr = self.graph.substitute(&[expr], &images)[0];
         }

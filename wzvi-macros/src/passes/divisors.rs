@@ -126,7 +126,7 @@ fn divisor(system: &System, base: Expr) -> Option<Divisor> {
     if let Some(local) = graph.as_symbol(base).and_then(|symbol| symbols.local_of(symbol)) {
         return match local.slot {
             Slot::Entry(list, _) => Some(Divisor::List(list)),
-            Slot::State(..) | Slot::Number(_) => None,
+            Slot::State(..) | Slot::Number(_) | Slot::Collective(_) => None,
         };
     }
     let is_parameter =

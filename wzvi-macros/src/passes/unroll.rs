@@ -15,7 +15,8 @@ use quote::quote;
 use crate::indices::Indices;
 use crate::model::symbols::{IndexedSum, Symbols};
 use crate::model::{
-    Family, Form, Index, Local, Loop, Noise, Parameter, Phase, Slot, StraightLine, System, Table, Term,
+    CollectiveSlot, Collectives, Family, Form, Index, Local, Loop, Noise, Parameter, Phase, Slot,
+    StraightLine, System, Table, Term,
 };
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
@@ -68,6 +69,8 @@ pub(super) fn unroller_and_terms(
     let System {
         graph,
         symbols,
+        t,
+        collectives,
         tables,
         drift,
         summands,
@@ -82,7 +85,7 @@ pub(super) fn unroller_and_terms(
     let temperature = temperature.iter_mut().map(|temperature| &mut temperature.term);
     let after = invariants.iter_mut().chain(force).chain(friction).chain(temperature);
     (
-        Unroller::new(graph, symbols, tables),
+        Unroller { collectives: Some(collectives), ..Unroller::new(graph, symbols, *t, tables) },
         [drift].into_iter().chain(summands).collect(),
         noise,
         after.collect(),
@@ -123,13 +126,18 @@ fn unroll_all(system: &mut System) -> bool {
 pub(super) struct Unroller<'a> {
     pub(super) graph: &'a mut Graph,
     pub(super) symbols: &'a mut Symbols,
-    tables: &'a [Table],
+    pub(super) t: Symbol,
+    /// Where sums in nonlinear functions become collective variables; without it they are written out.
+    pub(super) collectives: Option<&'a mut Collectives>,
+    pub(super) tables: &'a [Table],
+    /// The most terms of a sum in a nonlinear function that is written out.
+    pub(super) most_written: i128,
     spent: usize,
 }
 
 impl<'a> Unroller<'a> {
-    fn new(graph: &'a mut Graph, symbols: &'a mut Symbols, tables: &'a [Table]) -> Self {
-        Self { graph, symbols, tables, spent: 0 }
+    fn new(graph: &'a mut Graph, symbols: &'a mut Symbols, t: Symbol, tables: &'a [Table]) -> Self {
+        Self { graph, symbols, t, collectives: None, tables, most_written: OPERATIONS as i128, spent: 0 }
     }
 
     fn expressions(&mut self, terms: &[&mut Term]) -> Option<Vec<Expr>> {
@@ -165,6 +173,9 @@ impl<'a> Unroller<'a> {
     /// One sum, written out.
     pub(super) fn written_out(&mut self, sum: &IndexedSum) -> Option<Expr> {
         self.spent = 0;
+        if sum.range.length().is_some_and(|length| length > self.most_written) {
+            return None;
+        }
         self.turns(&sum.range, sum.body, &BTreeMap::new())
     }
 
@@ -180,6 +191,11 @@ impl<'a> Unroller<'a> {
         for symbol in symbols {
             if let Some(IndexedSum { range, body, .. }) = self.symbols.sum_of(symbol).cloned() {
                 images.insert(symbol, self.turns(&range, body, values)?);
+            } else if let Some(Slot::Collective(slot)) =
+                self.symbols.local_of(symbol).map(|local| &local.slot)
+            {
+                let slot = *slot;
+                images.insert(symbol, self.written_collective(slot)?);
             } else if let Some(local) = self.symbols.local_of(symbol) {
                 let slot = local.slot.clone();
                 let moved = slot.map(|index| index.at(values))?;
@@ -245,8 +261,9 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
         false => Vec::new(),
     };
     let phase = Phase { q, p, displacements, t };
-    let System { graph, symbols, tables, drift, noise, force, .. } = system;
-    let mut writer = Unroller::new(graph, symbols, tables);
+    let System { graph, symbols, collectives, tables, drift, noise, force, .. } = system;
+    let collectives = Some(collectives);
+    let mut writer = Unroller { collectives, ..Unroller::new(graph, symbols, t, tables) };
     let drift = writer.placements(drift, &BTreeMap::new())?;
     let force = match force {
         Some(force) => Some(writer.placements(force, &BTreeMap::new())?),
@@ -295,7 +312,7 @@ fn parameters_with(system: &System, locals: &[Local]) -> Vec<Parameter> {
     let mut parameters = system.parameters.clone();
     for Local { symbol, slot } in locals {
         let tokens = match slot {
-            Slot::State(_, _) => continue,
+            Slot::State(..) | Slot::Collective(_) => continue,
             Slot::Number(index) => {
                 let value = indices.value(index);
                 indices.or_nan(&quote!(#value as ::core::primitive::f64))
@@ -322,6 +339,17 @@ impl Unroller<'_> {
         Some(self.graph.sum(&terms))
     }
 
+    /// A collective variable, written out.
+    fn written_collective(&mut self, slot: CollectiveSlot) -> Option<Expr> {
+        let elements = self.collectives.as_ref()?.of(slot).elements.clone();
+        let mut terms = Vec::new();
+        for element in &elements {
+            let loops: Vec<&Loop> = element.loops.iter().collect();
+            self.place(element.value, &loops, &mut BTreeMap::new(), &mut terms)?;
+        }
+        Some(self.graph.sum(&terms))
+    }
+
     fn place(
         &mut self,
         value: Expr,
@@ -330,7 +358,8 @@ impl Unroller<'_> {
         terms: &mut Vec<Expr>,
     ) -> Option<()> {
         let Some((outermost, inner)) = loops.split_first() else {
-            terms.push(if values.is_empty() { value } else { self.at(value, values)? });
+            let is_whole = values.is_empty() && self.collectives.as_ref().is_none_or(|all| all.is_empty());
+            terms.push(if is_whole { value } else { self.at(value, values)? });
             return Some(());
         };
         let known = |index: &Index| index.at(values).and_then(|index| index.as_integer());

@@ -31,6 +31,7 @@
 mod bath;
 mod careful;
 mod change;
+mod collective;
 mod costs;
 mod differentiate;
 mod explicit;
@@ -43,6 +44,7 @@ mod jacobian;
 mod lagrangian;
 mod lanes;
 mod linear;
+mod low_rank;
 mod memory;
 mod pairs;
 mod passes;
@@ -57,6 +59,7 @@ mod sums;
 mod tiles;
 
 pub(crate) use bath::{covector, damping, rates};
+pub use collective::CollectiveHessian;
 pub use gather::Placements;
 pub(crate) use hamiltonian::{COUNTER_TERM, DRIFT, forces};
 pub use in_loops::{InLoops, Loops};
@@ -264,6 +267,21 @@ pub trait Elements: Sized {
         into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
     ) {
         let _ = (part, weight, at, wanted, into);
+    }
+
+    /// Whether elements read collective variables: sums over sites that stand in nonlinear functions.
+    const IS_COLLECTIVE: bool = false;
+
+    /// The weighted terms of rank one of the second derivatives of a part, which
+    /// [`hessian`](Elements::hessian) leaves out.
+    fn collective_hessian<S: Scalar>(
+        &self,
+        part: usize,
+        weight: f64,
+        at: &EvaluationPoint<'_, S>,
+        into: &mut CollectiveHessian<S>,
+    ) {
+        let _ = (part, weight, at, into);
     }
 }
 

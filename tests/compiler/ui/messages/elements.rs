@@ -4,7 +4,7 @@
 )]
 struct Beyond<const N: usize>;
 
-#[hamiltonian(drift = |q: &[f64], p: &[f64]| (p.iter().sum::<f64>() + q[0]).cos(), embedding = Midpoint)]
+#[hamiltonian(drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| p.iter().map(|p| p * q[i]).sum::<f64>().cos()).sum::<f64>(), embedding = Midpoint)]
 struct Nonlinear;
 
 #[hamiltonian(

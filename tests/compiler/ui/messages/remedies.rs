@@ -45,13 +45,19 @@ struct Names;
 struct Matrix { k: f64 }
 
 #[hamiltonian(
-    drift = |q: &[f64], p: &[f64]| {
-        let sum = q.iter().sum::<f64>();
-        sum * sum + p.iter().map(|p| p * p).sum::<f64>()
-    },
+    drift = |q: &[f64], p: &[f64]| p.iter().map(|p| p * p).sum::<f64>(),
+    noise = [|q, p| q.iter().sum::<f64>().cos()],
+    calculus = Ito,
     embedding = Midpoint,
 )]
-struct Square;
+struct Field;
+
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| p.iter().map(|p| p * p).sum::<f64>(),
+    noise = [|q, p, k| (k as f64 * q.iter().sum::<f64>()).cos(); 20],
+    embedding = Midpoint,
+)]
+struct Family;
 
 #[hamiltonian(
     drift = |q, p, w| p * p + q * w,

@@ -19,7 +19,7 @@ impl Flows {
         if !is_separable || system.conformal.is_some() {
             return None;
         }
-        let timed = system.acting().filter(|element| system.graph.depends_on(element.value, &[system.t]));
+        let timed = system.acting().filter(|element| element.reads_time(&system.graph, system.t));
         let timed: Vec<&Element> = timed.collect();
         if timed.iter().any(|element| element.reads().p) {
             return None;

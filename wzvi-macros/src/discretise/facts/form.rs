@@ -61,7 +61,8 @@ fn is_of_degree(graph: &mut Graph, element: &Element, degree: Degree) -> bool {
     let state = element.state();
     let coordinates = element.coordinates().count();
     let is_momentum = |at: usize| at >= coordinates;
-    !graph.has_pieces(element.value, &state)
+    !element.is_collective()
+        && !graph.has_pieces(element.value, &state)
         && (0..state.len()).all(|a| {
             let slope = graph.derivative(element.value, state[a]);
             (a..state.len()).all(|b| {
@@ -81,7 +82,8 @@ pub(super) fn has_constant_curvature(system: &mut System) -> bool {
         // The components of a covector are slopes already.
         let displacements: Vec<Symbol> = element.displacements().map(|(symbol, _)| symbol).collect();
         let slopes = if displacements.is_empty() { &state } else { &displacements };
-        !graph.has_pieces(element.value, &state)
+        !element.is_collective()
+            && !graph.has_pieces(element.value, &state)
             && slopes.iter().all(|&x| {
                 let slope = graph.derivative(element.value, x);
                 state.iter().all(|&y| {
@@ -103,9 +105,12 @@ pub(super) fn coupled_degrees(system: &System) -> Option<usize> {
     // The set of each component, by one of its members.
     let mut sets: Vec<usize> = (0..components).collect();
     for element in system.acting() {
+        if element.is_collective() {
+            return None;
+        }
         let places = element.locals.iter().filter_map(|local| match &local.slot {
             Slot::State(_, index) => Some(index.divided(system.components)),
-            Slot::Entry(..) | Slot::Number(_) => None,
+            Slot::Entry(..) | Slot::Number(_) | Slot::Collective(_) => None,
         });
         let places: Vec<(Index, i128)> = places.collect::<Option<_>>()?;
         let Some(((point, component), others)) = places.split_first() else { continue };
@@ -125,6 +130,10 @@ pub(super) fn coupled_degrees(system: &System) -> Option<usize> {
 /// Whether the forces of an element do not depend on coordinates.
 pub(crate) fn has_constant_forces(graph: &mut Graph, element: &Element) -> bool {
     let coordinates: Vec<Symbol> = element.coordinates().map(|(symbol, _)| symbol).collect();
+    let acts = element.is_covector() || !coordinates.is_empty();
+    if acts && element.collectives().any(|(_, slot)| slot.reads.q) {
+        return false;
+    }
     if element.is_covector() {
         return coordinates.is_empty();
     }

@@ -109,7 +109,7 @@ pub(super) fn form_of(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -
 /// Steps take friction as a flow of its own, and explicit time at the nodes of a quadrature: what depends on
 /// both parts is not kept exactly.
 fn is_exact(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> bool {
-    let reads_time = value.iter().any(|weighted| sums.graph.depends_on(weighted.element.value, &[of.t]));
+    let reads_time = value.iter().any(|weighted| weighted.element.reads_time(sums.graph, of.t));
     let damping = forces::along(sums, &of.forces.friction, value);
     !reads_time && sums.vanishes(damping, Increments::Each).known.is_proven()
 }
@@ -126,7 +126,7 @@ fn form_of_part(
         return form;
     }
     let element = sums.space.element_of(sums.graph, part);
-    let form = if element.state().is_empty() && !sums.graph.depends_on(part, &[of.t]) {
+    let form = if element.moving().is_empty() && !sums.graph.depends_on(part, &[of.t]) {
         PreservedForm::CONSTANT
     } else {
         let value = vec![Weighted { element, increments: Vec::new() }];

@@ -29,6 +29,9 @@ impl Kinetic {
 
 /// Whether an element is a quadratic form with constant coefficients.
 fn is_form(graph: &mut Graph, element: &Element, t: Symbol) -> bool {
+    if element.is_collective() {
+        return false;
+    }
     let momenta: Vec<Symbol> = element.momenta().map(|(symbol, _)| symbol).collect();
     let moving = [momenta.as_slice(), &[t]].concat();
     momenta.iter().all(|&p| {
@@ -50,9 +53,10 @@ fn is_form(graph: &mut Graph, element: &Element, t: Symbol) -> bool {
 /// Whether an element couples no two momenta.
 pub(crate) fn is_diagonal(graph: &mut Graph, element: &Element) -> bool {
     let momenta: Vec<Symbol> = element.momenta().map(|(symbol, _)| symbol).collect();
-    momenta.iter().all(|&p| {
-        let slope = graph.derivative(element.value, p);
-        let others: Vec<Symbol> = momenta.iter().copied().filter(|&other| other != p).collect();
-        !graph.depends_on(slope, &others)
-    })
+    !element.collectives().any(|(_, slot)| slot.reads.p)
+        && momenta.iter().all(|&p| {
+            let slope = graph.derivative(element.value, p);
+            let others: Vec<Symbol> = momenta.iter().copied().filter(|&other| other != p).collect();
+            !graph.depends_on(slope, &others)
+        })
 }

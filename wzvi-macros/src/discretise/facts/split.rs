@@ -119,5 +119,5 @@ fn form(system: &mut System, part: usize) -> Result<SummandForm, &'static str> {
 
 /// Whether a term reads the time.
 pub(crate) fn reads_time(graph: &Graph, term: &Term, t: Symbol) -> bool {
-    term.elements.iter().any(|element| graph.depends_on(element.value, &[t]))
+    term.values.iter().chain(&term.elements).any(|element| element.reads_time(graph, t))
 }

@@ -47,7 +47,7 @@ pub(super) fn has_order_two(
         NoiseClass::None => return true,
         NoiseClass::Multiplicative => {
             // Every {H_k, H_0} vanishes if the energy is kept.
-            let is_steady = !noises.iter().any(|one| sums.graph.depends_on(one.element.value, &[*t]));
+            let is_steady = !noises.iter().any(|one| one.element.reads_time(sums.graph, *t));
             return is_closed && is_energy_kept.is_proven() && is_steady;
         }
         NoiseClass::Additive | NoiseClass::Position | NoiseClass::Momentum => {}
@@ -82,6 +82,9 @@ pub(super) fn has_order_two(
 fn is_separable(sums: &mut Calculus<'_>, function: &Sum) -> bool {
     let Calculus { graph, .. } = sums;
     function.iter().all(|one| {
+        if one.element.is_collective() {
+            return false;
+        }
         let coordinates: Vec<_> = one.element.coordinates().map(|(symbol, _)| symbol).collect();
         one.element.momenta().all(|(p, _)| {
             let slope = graph.derivative(one.element.value, p);
@@ -96,6 +99,9 @@ fn is_separable(sums: &mut Calculus<'_>, function: &Sum) -> bool {
 fn is_affine_in_momenta(sums: &mut Calculus<'_>, force: &Sum) -> bool {
     let Calculus { graph, .. } = sums;
     force.iter().all(|one| {
+        if one.element.collectives().any(|(_, slot)| slot.reads.p) {
+            return false;
+        }
         let momenta: Vec<_> = one.element.momenta().map(|(symbol, _)| symbol).collect();
         !graph.has_pieces(one.element.value, &momenta)
             && momenta.iter().all(|&a| {

@@ -99,7 +99,8 @@ impl Calculus<'_> {
         let beyond = self.space.first_free_variable();
         let factors =
             |sum: &Sum, shift: u32| sum.iter().map(|w| Factor::new(w, shift)).collect::<Option<Vec<_>>>();
-        let (mut first, mut second) = (factors(first, beyond)?, factors(second, 2 * beyond)?);
+        let [first, second] = [first, second].map(|sum| self.opened(sum));
+        let (mut first, mut second) = (factors(&first, beyond)?, factors(&second, 2 * beyond)?);
         let readers = Readers::of(&second, other);
         let mut groups = Groups::default();
         for one in &mut first {

@@ -68,7 +68,10 @@ impl Space {
     /// The local variables of an element by the names of points and components.
     pub(crate) fn spelled(&self, graph: &mut Graph, element: &Element) -> HashMap<Symbol, Symbol> {
         let spelled = element.locals.iter().map(|Local { symbol, slot }| {
-            let name = self.reader(&element.loops, |names| names.slot(slot, &self.names, self.components));
+            let name = match slot {
+                Slot::Collective(_) => graph.symbol_name(*symbol).to_owned(),
+                _ => self.reader(&element.loops, |names| names.slot(slot, &self.names, self.components)),
+            };
             (*symbol, graph.new_symbol_like(*symbol, name))
         });
         spelled.collect()

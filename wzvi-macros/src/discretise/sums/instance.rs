@@ -3,8 +3,8 @@
 
 use std::collections::HashMap;
 
-use super::{Increments, Space, Sum, Weighted};
-use crate::model::{Atom, Index, Loop, Slot};
+use super::{Increments, Space, Sum, Weighted, unweighted};
+use crate::model::{Atom, CollectiveSlot, Index, Loop, Slot};
 use crate::symbolic::{Expr, Graph, Rational, Symbol, SymbolKind};
 
 /// The most nodes of an expression that is written out.
@@ -43,13 +43,15 @@ pub(super) struct Instance<'s> {
     numbers: NumberValues,
     increments: Increments,
     symbols: HashMap<InstanceVariable, Symbol>,
+    /// Collective variables, written out for a state or for another one.
+    collectives: HashMap<(CollectiveSlot, bool), Expr>,
 }
 
 type Values = Vec<(u32, i128)>;
 
 impl<'s> Instance<'s> {
     pub(super) fn new(space: &'s Space, size: i128, numbers: NumberValues, increments: Increments) -> Self {
-        Self { space, size, numbers, increments, symbols: HashMap::new() }
+        Self { space, size, numbers, increments, symbols: HashMap::new(), collectives: HashMap::new() }
     }
 
     /// The sum in the symbols of a state, or of another one.
@@ -142,6 +144,11 @@ impl<'s> Instance<'s> {
                 return Some(graph.number(Rational::new(index.constant, 1)?));
             }
             Slot::Number(_) => known = None,
+            Slot::Collective(own) if self.numbers == NumberValues::Known => {
+                return self.collective(graph, *own, is_other);
+            }
+            // A number of its own.
+            Slot::Collective(own) => is_of_state = own.moves(),
         }
         let is_other = is_other && is_of_state;
         if let Some(known) = known.filter(|_| !is_other) {
@@ -150,6 +157,18 @@ impl<'s> Instance<'s> {
         let name = self.space.slot_name(&slot);
         let symbol = self.symbol(graph, InstanceVariable::Slot(slot, is_other), || name);
         Some(graph.symbol(symbol))
+    }
+
+    /// A collective variable, written out; `None` if an index is out of range, or if it is too large.
+    fn collective(&mut self, graph: &mut Graph, slot: CollectiveSlot, is_other: bool) -> Option<Expr> {
+        if let Some(&known) = self.collectives.get(&(slot, is_other)) {
+            return Some(known);
+        }
+        let space = self.space;
+        let sum = unweighted(&space.collectives.of(slot).elements);
+        let value = self.value(graph, &sum, is_other).ok()?;
+        self.collectives.insert((slot, is_other), value);
+        Some(value)
     }
 
     fn symbol(

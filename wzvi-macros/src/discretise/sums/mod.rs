@@ -13,6 +13,7 @@
 //!
 //! Tests: `discretise/sums/tests.rs`.
 
+mod collapse;
 mod contract;
 mod display;
 mod instance;
@@ -26,7 +27,7 @@ use std::collections::HashMap;
 
 use crate::distinct::Distinct;
 use crate::model::index::{Atom, Bounds, Index, Loop};
-use crate::model::{Element, Half, Local, Slot, System, Table};
+use crate::model::{CollectiveSlot, Collectives, Element, Half, Local, Slot, System, Table, Variables};
 use crate::symbolic::{Expr, Graph, Knowledge, Rational, Symbol};
 
 pub(crate) use contract::Increments;
@@ -89,6 +90,10 @@ pub(crate) struct Space {
     components: i128,
     names: [String; 2],
     tables: Vec<Table>,
+    t: Symbol,
+    /// The number of points as a real number, where it is a parameter.
+    size_parameter: Option<Symbol>,
+    collectives: Collectives,
     symbols: HashMap<Slot, Symbol>,
     slots: HashMap<Symbol, Slot>,
     /// Loop variables of the user are below it.
@@ -103,11 +108,16 @@ impl Space {
             components: system.components,
             names: system.names.clone(),
             tables: system.tables.clone(),
+            t: system.t,
+            size_parameter: size_parameter(system),
+            collectives: system.collectives.clone(),
             symbols: HashMap::new(),
             slots: HashMap::new(),
             first: 0,
         };
-        for element in system.terms().flat_map(|term| term.values.iter().chain(&term.elements)) {
+        let of_terms = system.terms().flat_map(|term| term.values.iter().chain(&term.elements));
+        let of_collectives = system.collectives.all().iter().flat_map(|known| &known.elements);
+        for element in of_terms.chain(of_collectives) {
             for Local { symbol, slot } in &element.locals {
                 space.symbols.insert(slot.clone(), *symbol);
                 space.slots.insert(*symbol, slot.clone());
@@ -115,6 +125,10 @@ impl Space {
             for known in &element.loops {
                 space.first = space.first.max(known.variable + 1);
             }
+        }
+        for known in system.collectives.all() {
+            space.symbols.insert(Slot::Collective(known.slot), known.symbol);
+            space.slots.insert(known.symbol, Slot::Collective(known.slot));
         }
         space
     }
@@ -132,6 +146,11 @@ impl Space {
     /// Whether `index >= 0` throughout the loops, for every size; `false` if that is not known.
     fn is_nonnegative(&self, index: &Index, loops: &[Loop]) -> bool {
         Bounds { loops, tables: &self.tables }.is_nonnegative(index)
+    }
+
+    /// The collective variables of the system, and those of sums made here.
+    pub(crate) fn collectives(&self) -> &Collectives {
+        &self.collectives
     }
 
     /// The variable of a slot.
@@ -165,6 +184,31 @@ impl Space {
     }
 }
 
+/// The parameter that is the number of points as a real number.
+fn size_parameter(system: &System) -> Option<Symbol> {
+    let [(Atom::Given(table, indices), 1)] = system.size.terms.as_slice() else { return None };
+    let table = system.tables.get(*table as usize).filter(|_| indices.is_empty())?;
+    // Its tokens are those of the integer, cast.
+    let written = |tokens: &dyn ToString| tokens.to_string().replace(' ', "");
+    let real = format!("({}as::core::primitive::f64)", written(&table.tokens));
+    let parameter = system.parameters.iter().find(|parameter| written(&parameter.tokens) == real)?;
+    (system.size.constant == 0).then_some(parameter.symbol)
+}
+
+impl Variables for Space {
+    fn declare_collective(&mut self, graph: &mut Graph, slot: CollectiveSlot, name: String) -> Symbol {
+        let slot = Slot::Collective(slot);
+        let symbol = graph.new_symbol(slot.kind(), name);
+        self.symbols.insert(slot.clone(), symbol);
+        self.slots.insert(symbol, slot);
+        symbol
+    }
+
+    fn element_in(&self, graph: &Graph, loops: Vec<Loop>, value: Expr) -> Element {
+        self.element(graph, loops, value)
+    }
+}
+
 /// Sums of one space, with the graph of their values.
 pub(crate) struct Calculus<'c> {
     pub(crate) space: &'c mut Space,
@@ -180,7 +224,7 @@ pub(crate) struct KnownSum {
 impl Calculus<'_> {
     /// `∂F/∂t`
     pub(crate) fn partial(&mut self, sum: &Sum, t: Symbol) -> Sum {
-        let mut slopes = sum.clone();
+        let mut slopes = self.opened(sum);
         for Weighted { element, .. } in &mut slopes {
             element.value = self.graph.derivative(element.value, t);
         }
@@ -198,7 +242,7 @@ impl Calculus<'_> {
     /// `Σ_s ∂F/∂x_s δq_s` over all slots `s` of a half of the phase space.
     pub(crate) fn displaced(&mut self, sum: &Sum, half: Half) -> Sum {
         let mut terms = Sum::new();
-        for Weighted { element, increments } in sum {
+        for Weighted { element, increments } in &self.opened(sum) {
             let read: Vec<_> = element.of_half(half).map(|(symbol, index)| (symbol, index.clone())).collect();
             for (symbol, index) in read {
                 let slope = self.graph.derivative(element.value, symbol);

@@ -259,6 +259,46 @@ fn first_integrals_of_points() {
 }
 
 #[test]
+fn first_integrals_of_mean_fields() {
+    let total = "p.iter().sum::<f64>()";
+    let kinetic = "p.iter().map(|p| 0.5 * p * p).sum::<f64>()";
+    let rotors = format!(
+        "{{ let c: f64 = q.iter().map(|q| q.cos()).sum(); let s: f64 = q.iter().map(|q| q.sin()).sum(); \
+         {kinetic} - (1.0 + c * c + s * s).sqrt() }}"
+    );
+    let trap = format!(
+        "{{ let m = q.iter().sum::<f64>() / q.len() as f64; {kinetic} + q.iter().map(|q| (q - m).powi(2)).sum::<f64>() }}"
+    );
+    let wrong = "{ let c: f64 = q.iter().map(|q| q.cos()).sum(); \
+                 p.iter().map(|p| 0.5 * p * p).sum::<f64>() - (1.0 + c * c).sqrt() }";
+    let chain = format!("{CHAIN} + p.iter().sum::<f64>().cosh()");
+    let declared = [(total, Is::Proven), (rotors.as_str(), Is::Proven)];
+    integrals("f64", 2, &rotors, "", &declared);
+    integrals("f64", 2, &trap, "", &[(total, Is::Proven), (&trap, Is::Proven)]);
+    integrals("f64", 2, &chain, "", &[(total, Is::Proven), (CHAIN, Is::Proven)]);
+    for (state, n) in sizes("f64", 2) {
+        // A witness is looked for up to 32 sites.
+        let attribute = at(
+            &format!(
+                "drift = |q: $q, p: $q| {wrong}, invariant = [|q: $q, p: $q| {total}], embedding = Midpoint"
+            ),
+            &state,
+            &n,
+        );
+        let (_, facts) = facts_of(&attribute);
+        let failure = facts.invariants[0].failure.as_ref().unwrap();
+        let is_large = n.parse::<i128>().is_ok_and(|n| n > 32);
+        let wanted = if is_large { Is::Unknown } else { Is::Refuted };
+        assert_eq!(verdict(&failure.found.known), wanted, "{attribute}");
+    }
+    let plane = "{ let x: f64 = q.iter().map(|q| q[0]).sum(); let y: f64 = q.iter().map(|q| q[1]).sum(); \
+        q.iter().zip(p).map(|(q, p)| 0.5 * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1])).sum::<f64>() \
+        + (1.0 + x * x + y * y).ln() }";
+    let spin = "q.iter().zip(p).map(|(q, p)| q[0] * p[1] - q[1] * p[0]).sum::<f64>()";
+    integrals("[f64; 2]", 2, plane, "", &[(spin, Is::Proven)]);
+}
+
+#[test]
 fn bonds_of_a_table_keep_the_total_momentum() {
     let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() \
         + (0..bonds.len()).map(|b| (q[bonds[b].0] - q[bonds[b].1]).powi(4)).sum::<f64>(), \

@@ -19,6 +19,8 @@ use crate::symbolic::{Expr, Knowledge, Symbol, Witness, ZeroTest};
 /// The sizes searched for a witness: the first few that the indices allow.
 const WITNESS_SIZES: [i128; 6] = [3, 4, 5, 8, 16, 32];
 const MOST_CANCELLING_SIZES: usize = 3;
+/// The largest size at which a function of sums over sites is written out.
+const LARGEST_WITH_COLLECTIVES: i128 = 32;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Statement {
@@ -55,6 +57,58 @@ struct Prover<'j, 'c> {
 
 impl Prover<'_, '_> {
     fn decide(&mut self, sum: &Sum) -> Knowledge {
+        match sum.iter().any(|weighted| weighted.element.collectives().next().is_some()) {
+            true => self.decide_with_collectives(sum),
+            false => self.decide_of_sites(sum),
+        }
+    }
+
+    /// Decides for functions of collective variables. If the sum vanishes for all values of these, it does
+    /// for those that they have. What does not is written out.
+    fn decide_with_collectives(&mut self, sum: &Sum) -> Knowledge {
+        let collapsed = self.sums.collapsed(sum);
+        let is_plain = collapsed.iter().all(|weighted| weighted.element.collectives().next().is_none());
+        if is_plain {
+            return self.decide_of_sites(&collapsed);
+        }
+        if self.vanishes_freely(&collapsed) {
+            return Knowledge::Proven;
+        }
+        let sizes = match self.sums.space.size.as_integer() {
+            Some(size) => vec![size],
+            None => WITNESS_SIZES[..MOST_CANCELLING_SIZES].to_vec(),
+        };
+        for size in sizes.into_iter().filter(|size| *size <= LARGEST_WITH_COLLECTIVES) {
+            if let Ok(verdict @ ZeroTest::Nonzero(_)) = self.instance_of_size(sum, size) {
+                return verdict.known();
+            }
+        }
+        Knowledge::Unknown("it is a function of sums over sites, and no proof covers it".to_owned())
+    }
+
+    /// Whether a sum vanishes for all values of collective variables, at all sizes.
+    fn vanishes_freely(&mut self, sum: &Sum) -> bool {
+        let mut left = Sum::new();
+        for weighted in sum {
+            if self.test_element(&weighted.element) != ZeroTest::Zero {
+                left.push(weighted.clone());
+            }
+        }
+        if left.iter().any(|weighted| weighted.element.loops.is_empty()) {
+            return false;
+        }
+        left.is_empty() || self.vanishes_by_few(&left)
+    }
+
+    /// Whether a sum vanishes at the sizes that decide all others.
+    fn vanishes_by_few(&mut self, sum: &Sum) -> bool {
+        match self.sums.space.size.as_integer() {
+            Some(size) => self.holds_in_general(sum, size) == Some(true),
+            None => matches!(self.decide_by_few(sum), Some(Knowledge::Proven)),
+        }
+    }
+
+    fn decide_of_sites(&mut self, sum: &Sum) -> Knowledge {
         let (mut left, mut verdicts) = (Sum::new(), Vec::new());
         for weighted in sum {
             let verdict = self.test_element(&weighted.element);
@@ -183,6 +237,20 @@ impl Prover<'_, '_> {
     }
 
     fn instance(&mut self, sum: &Sum, size: i128, numbers: NumberValues) -> Result<ZeroTest, NotWritten> {
+        let value = self.instance_value(sum, size, numbers)?;
+        Ok(self.sums.graph.test_zero(value))
+    }
+
+    /// The sum at a size that is also the value of its parameter.
+    fn instance_of_size(&mut self, sum: &Sum, size: i128) -> Result<ZeroTest, NotWritten> {
+        let value = self.instance_value(sum, size, NumberValues::Known)?;
+        let Calculus { space, graph } = &mut *self.sums;
+        let known = space.size_parameter.map(|parameter| (parameter, graph.whole(size))).into_iter();
+        let value = graph.substitute(&[value], &known.collect())[0];
+        Ok(graph.test_zero(value))
+    }
+
+    fn instance_value(&mut self, sum: &Sum, size: i128, numbers: NumberValues) -> Result<Expr, NotWritten> {
         let Calculus { space, graph } = &mut *self.sums;
         let mut instance = Instance::new(space, size, numbers, self.increments);
         let mut value = instance.value(graph, sum, false)?;
@@ -190,13 +258,13 @@ impl Prover<'_, '_> {
             let other = instance.value(graph, sum, true)?;
             value = graph.subtract(value, other);
         }
-        Ok(graph.test_zero(value))
+        Ok(value)
     }
 
     fn test_element(&mut self, element: &Element) -> ZeroTest {
         let (graph, mut value) = (&mut *self.sums.graph, element.value);
         if self.statement == Statement::Constant {
-            let other = element.state().into_iter().map(|symbol| {
+            let other = element.moving().into_iter().map(|symbol| {
                 let name = format!("{}'", graph.symbol_name(symbol));
                 let other = graph.new_symbol_like(symbol, name);
                 (symbol, graph.symbol(other))

@@ -16,7 +16,7 @@ mod rows;
 mod stores;
 
 use proc_macro2::{Ident, Literal, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
 use access::Access;
 use chunk_loop::{ChunkLoop, WrittenRange};
@@ -26,8 +26,8 @@ pub(super) use gather::{gathers, open_lists};
 
 pub(super) use rows::partners;
 
-use super::Derivative;
 use super::kernel::{Arithmetic, Target, written};
+use super::{Derivative, collective};
 use crate::diagnostics::promised;
 use crate::emit::count;
 use crate::indices::{Indices, OpenList, variable};
@@ -212,7 +212,7 @@ impl Chunk<'_> {
         }
         let place = |target: &Target| match target {
             Target::Gradient { index, .. } => Some(self.indices.position(index)),
-            Target::Value { .. } | Target::Total | Target::Hessian { .. } => None,
+            Target::Value { .. } | Target::Total { .. } | Target::Hessian { .. } => None,
         };
         match self.outputs.iter().map(|(_, target)| place(target)).collect::<Option<Vec<_>>>() {
             Some(places)
@@ -246,7 +246,9 @@ impl Chunk<'_> {
                 let entry = quote!(#slice[__place]);
                 let value = match &local.slot {
                     Slot::State(..) => self.derivative.lifted(entry),
-                    Slot::Entry(..) | Slot::Number(_) => self.derivative.constant(&entry),
+                    Slot::Entry(..) | Slot::Number(_) | Slot::Collective(_) => {
+                        self.derivative.constant(&entry)
+                    }
                 };
                 code.reads.extend(quote!(let #own = #value;));
             }
@@ -329,7 +331,7 @@ impl Chunk<'_> {
             Slot::State(Half::Momenta, _) => quote!(__at.p),
             Slot::Entry(table, _) => self.indices.entry(*table, &[]),
             // Derivatives do not read displacements.
-            Slot::Number(_) | Slot::State(Half::Displacements, _) => TokenStream::new(),
+            Slot::Number(_) | Slot::Collective(_) | Slot::State(Half::Displacements, _) => TokenStream::new(),
         }
     }
 
@@ -345,6 +347,7 @@ impl Chunk<'_> {
                 self.derivative.lifted(quote!(#list[#position]))
             }
             Slot::Entry(table, at) => self.derivative.constant(&indices.entry(*table, at)),
+            Slot::Collective(slot) => collective::name(*slot).to_token_stream(),
             Slot::Number(index) | Slot::State(Half::Displacements, index) => {
                 let value = indices.value(index);
                 self.derivative.constant(&quote!(#value as __wzvi::f64))
@@ -356,7 +359,7 @@ impl Chunk<'_> {
         match target {
             Target::Value { factor: None } => value.clone(),
             Target::Value { factor: Some(factor) } => quote!(#value * #factor),
-            Target::Total => quote!(__total = __total + #value;),
+            Target::Total { sum } => quote!(#sum = #sum + #value;),
             Target::Gradient { vector, index } => {
                 let position = indices.position(index);
                 quote!(#vector.add(#position, #value);)
@@ -373,5 +376,6 @@ fn slot_index(slot: &Slot) -> Index {
     match slot {
         Slot::State(_, index) | Slot::Number(index) => index.clone(),
         Slot::Entry(_, indices) => promised(indices.first().cloned(), "entries of tables have an index"),
+        Slot::Collective(_) => Index::default(),
     }
 }

@@ -21,8 +21,8 @@ use crate::symbolic::{Expr, Symbol};
 pub(super) enum Target {
     /// The value itself, times a factor.
     Value { factor: Option<TokenStream> },
-    /// `total += value`
-    Total,
+    /// `sum += value`
+    Total { sum: Ident },
     /// `vector[index] += value`
     Gradient { vector: Ident, index: Index },
     /// `into(by, [row, column], is_alone, value)`, where both variables of a pair may coincide.
@@ -30,6 +30,11 @@ pub(super) enum Target {
 }
 
 impl Target {
+    /// The sum of the values of elements.
+    pub(super) fn total() -> Self {
+        Self::Total { sum: format_ident!("__total") }
+    }
+
     /// The target of the slope by the place `index` of a half of the state.
     pub(super) fn gradient(half: Half, index: Index) -> Self {
         let by = if half == Half::Momenta { "p" } else { "q" };
@@ -104,8 +109,8 @@ impl ElementEmitter<'_> {
         inputs.into_iter().for_each(|(op, name)| printer.set(op, name));
         // In functions of their own, all constants are numbers.
         let is_apart = self.derivative == Derivative::Gradient
-            && (partners(weighted, &Indices::unchecked(tables), *components).is_some()
-                || gathers(graph, element, *components));
+            && (partners(weighted, &Indices::unchecked(tables), *components).is_some() && !is_total(outputs)
+                || gathers(graph, element, outputs, *components));
         let mut fixed =
             program.frontier(&ops, &|op| is_fixed(op) && !(is_apart && program.operation(op).is_truth()));
         fixed.retain(|&op| printer.rank(op) == Rank::Constant);
@@ -190,11 +195,13 @@ impl ElementEmitter<'_> {
         if self.derivative != Derivative::Gradient {
             return chunk.emit();
         }
-        if let Some(first) = partners(weighted, &indices, *components) {
+        if let Some(first) = partners(weighted, &indices, *components)
+            && !is_total(outputs)
+        {
             return chunk.row(&first);
         }
         match &chunk.range {
-            Some([start, end]) if gathers(graph, element, *components) => {
+            Some([start, end]) if gathers(graph, element, outputs, *components) => {
                 let (one_by_one, sums) = (chunk.emit().body, written(outputs));
                 let gathered = Chunk { gathered: Some(&open_lists(element, tables)), ..chunk.clone() };
                 let EmittedLoop { buffers, body, after } = gathered.emit();
@@ -238,11 +245,16 @@ impl ElementEmitter<'_> {
     }
 }
 
-/// The vector of slopes that an element adds to; either, if it adds to both.
+/// Whether outputs are terms of collective variables.
+pub(super) fn is_total(outputs: &[(Expr, Target)]) -> bool {
+    outputs.iter().any(|(_, target)| matches!(target, Target::Total { .. }))
+}
+
+/// The vector of slopes that an element adds to; either, if it adds to both or to none.
 pub(super) fn written(outputs: &[(Expr, Target)]) -> TokenStream {
     let vector = outputs.iter().find_map(|(_, target)| match target {
         Target::Gradient { vector, .. } => Some(quote!(#vector)),
-        Target::Value { .. } | Target::Total | Target::Hessian { .. } => None,
+        Target::Value { .. } | Target::Total { .. } | Target::Hessian { .. } => None,
     });
-    vector.unwrap_or_default()
+    vector.unwrap_or_else(|| quote!(__by_q))
 }

@@ -2,6 +2,7 @@
 //! `tests/loops`, and the golden expansions (`compile/golden_tests.rs`).
 
 mod chunk;
+mod collective;
 mod combine;
 mod hamiltonian;
 mod in_loops;
@@ -143,6 +144,7 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
     let (value, slopes) = (quote!(#value #part_values), quote!(#slopes #part_slopes));
     let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
     let curvature = hessian_method(model, &parts, plans.needs_hessian());
+    let of_collectives = if plans.needs_hessian() { collective::hessian_method(model, &parts) } else { None };
     let first_integral = count(PartNumbers::of(model).integrals);
     let has_tiles = tiles::allows_tiles(model, &parts);
     // Read where a window takes a whole step at once.
@@ -210,6 +212,8 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
             }
 
             #curvature
+
+            #of_collectives
     };
     implementation(&model.item, &quote!(#elements::Elements), &body)
 }

@@ -20,7 +20,8 @@ const MOST_DEGREES: i128 = LARGEST / size_of::<f64>() as i128;
 pub(super) fn emit(system: &System) -> TokenStream {
     let mut places = Places { system, arms: BTreeMap::new() };
     let mut nests = TokenStream::new();
-    for element in system.terms().flat_map(|term: &Term| &term.values) {
+    let of_collectives = system.collectives.all().iter().flat_map(|known| &known.elements);
+    for element in system.terms().flat_map(|term: &Term| &term.values).chain(of_collectives) {
         nests.extend(places.nest(element));
     }
     // Places have better names in errors.
@@ -90,6 +91,7 @@ impl Places<'_> {
                 sizes.is_integer(&indices[level]) && self.is_inside(&bounds, *table, indices, level)
             }),
             Slot::Number(index) => sizes.is_integer(index),
+            Slot::Collective(_) => true,
         };
         let slots: Vec<&Slot> =
             element.locals.iter().map(|local| &local.slot).filter(|slot| !is_proven(slot)).collect();
@@ -112,6 +114,7 @@ impl Places<'_> {
                 let index = self.index(index, &element.loops);
                 quote!(__wzvi::elements::places::Slot::Number(#index),)
             }
+            Slot::Collective(_) => TokenStream::new(),
         });
         let slots: TokenStream = slots.collect();
         self.in_loops(&element.loops, &slots)

@@ -45,8 +45,8 @@ fn is_contiguous(model: &System, parts: &[PartElements]) -> bool {
         return false;
     }
     elements(model, parts).all(|element| match element.reads() {
-        // A covector may read anything.
-        _ if element.is_covector() => false,
+        // A covector may read anything, and collective variables are those of the whole state.
+        _ if element.is_covector() || element.collectives().next().is_some() => false,
         Reads { q: false, p: false } => true,
         Reads { q: true, p: false } => {
             let mut strides =
@@ -86,7 +86,8 @@ pub(super) fn has_pairs(model: &System, parts: &[PartElements]) -> bool {
 
 /// The halves of the phase space with slopes of gathered elements, if any.
 pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenStream> {
-    let gathered = elements(model, parts).filter(|element| gathers(&model.graph, element, model.components));
+    let gathered =
+        elements(model, parts).filter(|element| gathers(&model.graph, element, &[], model.components));
     let (mut by_q, mut by_p) = (false, false);
     for element in gathered {
         let is_force = element.is_covector();
@@ -117,7 +118,9 @@ pub(super) fn has_uniform_velocity(model: &System, parts: &[PartElements]) -> bo
 
 /// The type for slopes in loops over neighbours: `f64` itself if only correctly rounded functions are called.
 pub(super) fn common_range(model: &System, parts: &[PartElements]) -> TokenStream {
-    let values: Vec<Expr> = elements(model, parts).map(|element| element.value).collect();
+    let of_collectives = model.collectives.all().iter().flat_map(|known| &known.elements);
+    let values: Vec<Expr> =
+        elements(model, parts).chain(of_collectives).map(|element| element.value).collect();
     let reached = model.graph.reachable(&values);
     match reached.into_iter().all(|expr| is_correctly_rounded(model.graph.node(expr))) {
         true => quote!(__wzvi::f64),

@@ -59,10 +59,12 @@ impl ElementEmitter<'_> {
 
     /// Elements with one common weight, or none.
     pub(super) fn group(&mut self, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
-        match self.derivative {
+        let collectives = self.collectives(group);
+        let code = match self.derivative {
             Derivative::Value => self.values(group, weight),
             _ => group.iter().map(|weighted| self.derivatives(weighted, weight)).collect(),
-        }
+        };
+        if code.is_empty() { code } else { quote!(#collectives #code) }
     }
 
     /// The sum of elements, with the weight taken out unless it changes in their loops.
@@ -76,7 +78,7 @@ impl ElementEmitter<'_> {
             return if code.is_empty() { quote!(__S::from_f64(0.0)) } else { code };
         }
         let added: Vec<TokenStream> =
-            group.iter().map(|weighted| self.value(weighted, inside, Target::Total)).collect();
+            group.iter().map(|weighted| self.value(weighted, inside, Target::total())).collect();
         let factor = outside.map(|weight| quote!(* #weight));
         quote! {
             let mut __total = __S::from_f64(0.0);
@@ -93,7 +95,11 @@ impl ElementEmitter<'_> {
     }
 
     /// `c H_e` with a symbol for the weight `c`, if there is one.
-    fn weighed<'w>(&mut self, element: &Element, weight: Option<&'w TokenStream>) -> (Expr, Weight<'w>) {
+    pub(super) fn weighed<'w>(
+        &mut self,
+        element: &Element,
+        weight: Option<&'w TokenStream>,
+    ) -> (Expr, Weight<'w>) {
         let Some(weight) = weight else { return (element.value, None) };
         let graph = &mut self.model.graph;
         let symbol = graph.new_symbol(SymbolKind::Parameter, "c");
@@ -175,7 +181,7 @@ impl ElementEmitter<'_> {
     }
 
     /// The product of the increments of an element of a part, and the weight of the part.
-    fn weight(&self, part: &PartElements, Weighted { increments, .. }: &Weighted) -> TokenStream {
+    pub(super) fn weight(&self, part: &PartElements, Weighted { increments, .. }: &Weighted) -> TokenStream {
         let indices = Indices::unchecked(&self.model.tables);
         let factor = part.is_weighted.then(|| quote!(*__weight));
         let increments = increments.iter().map(|number| {

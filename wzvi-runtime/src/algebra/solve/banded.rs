@@ -42,15 +42,25 @@ impl<S: Scalar> Banded<S> {
     /// gives them; empty for the order that they have. `None` if it has more than `most` numbers.
     pub fn new(n: usize, half: usize, position: Vec<usize>, most: usize) -> Option<Self> {
         let numbers = half.checked_mul(3)?.checked_add(1)?.checked_mul(n.checked_add(half)?)?;
+        (numbers <= most).then(|| Self::of_size(n, half, position, numbers))
+    }
+
+    /// Room for a matrix of `n` unknowns with any entry.
+    pub fn dense(n: usize) -> Self {
+        let half = n.saturating_sub(1);
+        Self::of_size(n, half, Vec::new(), (3 * half + 1) * (n + half)).parted(true)
+    }
+
+    fn of_size(n: usize, half: usize, position: Vec<usize>, numbers: usize) -> Self {
         let zero = S::from_f64(0.0);
-        (numbers <= most).then(|| Self {
+        Self {
             half,
             is_parted: false,
             position,
             rows: vec![zero; numbers],
             exchanges: vec![0; n],
             scratch: vec![zero; n + 2 * half],
-        })
+        }
     }
 
     /// For a matrix of uncoupled blocks of `half + 1` consecutive unknowns, if it `is_parted`.

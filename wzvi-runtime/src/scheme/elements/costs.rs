@@ -52,6 +52,13 @@ impl Costs {
                 let factors = SECOND_DERIVATIVES * sweep + band.elimination_cost();
                 ((ITERATIONS * iteration + factors / SHARED) / sweep, factors / iteration)
             }
+            LinearSolver::Bordered(bordered) => {
+                let terms = bordered.count() as f64;
+                let solution = bordered.band.solution_cost() + 2.0 * terms * unknowns as f64;
+                let elimination = bordered.band.elimination_cost() + terms * solution;
+                let (iteration, factors) = (sweep + solution, SECOND_DERIVATIVES * sweep + elimination);
+                ((ITERATIONS * iteration + factors / SHARED) / sweep, factors / iteration)
+            }
             LinearSolver::Krylov(_) => (BY_KRYLOV, 0.0),
         };
         let slowest = [CONTRACTION, 0.4, 0.3].into_iter().find(|&ratio| takes(FIRST, ratio) <= newton);

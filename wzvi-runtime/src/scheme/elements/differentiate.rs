@@ -98,6 +98,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
             all.correction.iter_mut().for_each(|residual| *residual = residual.infinitesimal());
             match linear {
                 LinearSolver::Band(band) => band.solve_in_room(all.correction, solved),
+                LinearSolver::Bordered(bordered) => bordered.solve_in_room(all.correction, solved),
                 LinearSolver::Krylov(_) => {
                     for number in 0..S::DERIVATIVES {
                         for (own, residual) in lists.correction.iter_mut().zip(&*all.correction) {

@@ -3,6 +3,7 @@
 
 use super::factor_cache::EXCESS_PRODUCTS;
 use super::linear::{KrylovSolver, LinearSolver};
+use super::low_rank::RankOneTerms;
 use super::memory::{StepLists, StepScratch};
 use super::passes::largest;
 use super::step::LoopStep;
@@ -86,6 +87,12 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
                 self.add_to(band, lists, diagonal);
                 band.factor()
             }
+            LinearSolver::Bordered(bordered) => {
+                bordered.band.reset();
+                self.add_to(&mut bordered.band, lists, diagonal);
+                self.rank_one_terms(lists, diagonal, &mut bordered.terms);
+                bordered.factor()
+            }
             LinearSolver::Krylov(wide) => {
                 wide.leaves_out = false;
                 let factors = self.reset(wide, all);
@@ -119,6 +126,13 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
                 band.reset();
                 add(&mut |i, j, value| band.add(i, j, value));
                 band.factor()?;
+            }
+            LinearSolver::Bordered(bordered) => {
+                bordered.band.reset();
+                add(&mut |i, j, value| bordered.band.add(i, j, value));
+                self.rank_one_terms(lists, diagonal, &mut bordered.terms);
+                left_out += bordered.terms.leave_out();
+                bordered.factor()?;
             }
             LinearSolver::Krylov(wide) => {
                 let factors = self.reset(wide, true);
@@ -156,8 +170,12 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
                 band.solve(lists.correction);
                 Ok(None)
             }
+            LinearSolver::Bordered(bordered) => {
+                bordered.solve(lists.correction);
+                Ok(None)
+            }
             LinearSolver::Krylov(wide) => {
-                let KrylovSolver { krylov, room, factors, leaves_out } = &mut **wide;
+                let KrylovSolver { krylov, terms, room, factors, leaves_out } = &mut **wide;
                 let (factors, all) = factors.as_mut().ok_or(StepFailure::NonFinite)?;
                 let correction = std::mem::take(&mut lists.correction);
                 let units = units(self.scheme.unknowns, lists.x, correction);
@@ -168,9 +186,15 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
                 let most_cycles =
                     if *all { most } else { most.min(EXCESS_PRODUCTS / Krylov::<S>::BASIS as u32) };
                 let stages = lists.lend();
+                if H::IS_COLLECTIVE {
+                    self.rank_one_terms(&stages, diagonal, terms);
+                    if *leaves_out {
+                        terms.leave_out();
+                    }
+                }
                 let operator = &mut Operator {
                     product: &mut |x: &[S], y: &mut [S]| {
-                        self.product(&stages, diagonal, *leaves_out, units, x, y, room);
+                        self.product(&stages, diagonal, *leaves_out, terms, units, x, y, room);
                     },
                     precondition: &mut |x: &mut [S]| {
                         multiply(x, units);
@@ -198,6 +222,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         lists: &StepLists<'_, S>,
         diagonal: &[S],
         leaves_out: bool,
+        terms: &RankOneTerms<S>,
         units: Units,
         x: &[S],
         y: &mut [S],
@@ -213,17 +238,20 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
                     y[i] = y[i] + value * room[j];
                 }
             });
+            terms.multiply(room, y);
             return multiply(y, inverse(units));
         }
         if units.is_none() {
             y.copy_from_slice(x);
-            return self.entries(lists, diagonal, &mut product(x, y));
+            self.entries(lists, diagonal, &mut product(x, y));
+            return terms.multiply(x, y);
         }
         room.clear();
         room.extend_from_slice(x);
         multiply(room, units);
         y.copy_from_slice(room);
         self.entries(lists, diagonal, &mut product(room, y));
+        terms.multiply(room, y);
         multiply(y, inverse(units));
     }
 

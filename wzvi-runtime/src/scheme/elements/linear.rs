@@ -18,12 +18,13 @@
 
 use super::costs::Costs;
 use super::jacobian::VisitEntry;
+use super::low_rank::{Bordered, RankOneTerms};
 use crate::algebra::memory::Method;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Banded, Krylov, Sparse, reverse_cuthill_mckee};
 
 /// Largest number of entries of a factorisation: 2 GiB of `f64`.
-const MOST_NUMBERS: usize = 1 << 28;
+pub(super) const MOST_NUMBERS: usize = 1 << 28;
 
 /// Half-bandwidth up to which a band is always used; a wider one if it takes at most [`FEW_OPERATIONS`] to
 /// factor.
@@ -46,6 +47,8 @@ type Pattern<'p> = &'p dyn Fn(VisitEntry<'_>);
 #[derive(Clone, Debug)]
 pub(super) enum LinearSolver<S> {
     Band(Banded<S>),
+    /// A band, and terms of rank one.
+    Bordered(Box<Bordered<S>>),
     /// Uses products with the matrix, which is not stored.
     Krylov(Box<KrylovSolver<S>>),
 }
@@ -54,6 +57,8 @@ pub(super) enum LinearSolver<S> {
 #[derive(Clone, Debug)]
 pub(super) struct KrylovSolver<S> {
     pub(super) krylov: Krylov<S>,
+    /// The terms of rank one of the matrix.
+    pub(super) terms: RankOneTerms<S>,
     /// A vector in the units of the system; the iteration scales each kind of unknown.
     pub(super) room: Vec<S>,
     /// The factors, allocated at their first use, and whether complete ones were requested.
@@ -109,6 +114,7 @@ impl<S: Scalar> LinearSolver<S> {
             Some(band) => Self::Band(band.parted(is_dense)),
             None => Self::Krylov(Box::new(KrylovSolver {
                 krylov: Krylov::new(unknowns),
+                terms: RankOneTerms::default(),
                 room: Vec::new(),
                 factors: None,
                 leaves_out: false,
@@ -116,8 +122,17 @@ impl<S: Scalar> LinearSolver<S> {
         }
     }
 
+    /// The solver of a matrix with so many terms of rank one more.
+    pub(super) fn with_terms(self, terms: usize) -> Self {
+        match self {
+            Self::Band(band) if terms > 0 => Self::Bordered(Box::new(Bordered::new(band, terms))),
+            whole => whole,
+        }
+    }
+
     pub(super) fn method(&self) -> Method {
         match self {
+            Self::Bordered(bordered) => Method::Band { half_width: bordered.band.half_width() },
             Self::Band(band) => Method::Band { half_width: band.half_width() },
             Self::Krylov(_) => Method::Krylov,
         }
@@ -126,7 +141,7 @@ impl<S: Scalar> LinearSolver<S> {
     /// Cost of new factors: in Newton iterations for a band, in Jacobian products for Krylov's method.
     pub(super) fn cost(&self, costs: Costs) -> u64 {
         match self {
-            Self::Band(_) => costs.factors(),
+            Self::Band(_) | Self::Bordered(_) => costs.factors(),
             Self::Krylov(wide) => wide.factors.as_ref().map_or(0, |(factors, _)| factors.cost()) + ASSEMBLY,
         }
     }
@@ -135,6 +150,7 @@ impl<S: Scalar> LinearSolver<S> {
     pub(super) fn is_reversed(&self) -> bool {
         match self {
             Self::Band(band) => band.is_reversed(),
+            Self::Bordered(bordered) => bordered.is_reversed(),
             Self::Krylov(wide) => {
                 wide.factors.as_ref().and_then(|(factors, _)| factors.is_reversed()).unwrap_or(false)
             }

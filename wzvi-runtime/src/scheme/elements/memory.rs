@@ -6,6 +6,7 @@ use super::factor_cache::FactorCache;
 use super::jacobian::{VisitEntry, pattern};
 use super::lanes::is_in_lanes;
 use super::linear::LinearSolver;
+use super::low_rank::count_terms;
 use super::past::PastUnknowns;
 use super::preference::Preference;
 use super::rounding::Rounding;
@@ -445,13 +446,14 @@ impl<S: Scalar> LoopMemory<S> {
         let pattern = |visit: VisitEntry<'_>| pattern(system, scheme, degrees, visit);
         // Counted before the matrix is allocated: the pattern needs room of its own.
         let entries = if is_implicit { entries(&pattern) } else { 0 };
+        let terms = count_terms(system, scheme, degrees);
         if const { is_in_lanes::<S>() } {
             // Lanes have no factors, and take the decisions of a path alone.
-            let linear = is_implicit.then(|| LinearSolver::<f64>::new(&pattern, unknowns));
+            let linear = is_implicit.then(|| LinearSolver::<f64>::new(&pattern, unknowns).with_terms(terms));
             self.solver.costs = Costs::of(entries, unknowns, linear.as_ref());
         } else {
             let has_factors = is_implicit && !scheme.takes_values_first::<S>();
-            self.solver.linear = has_factors.then(|| LinearSolver::new(&pattern, unknowns));
+            self.solver.linear = has_factors.then(|| LinearSolver::new(&pattern, unknowns).with_terms(terms));
             self.solver.costs = Costs::of(entries, unknowns, self.solver.linear.as_ref());
         }
     }

@@ -44,7 +44,7 @@ impl InnerLoop {
             Slot::Entry(_, indices) if matches!(indices.as_slice(), [index] if self.is_unit(index)) => {
                 Access::Unit
             }
-            Slot::Entry(..) | Slot::Number(_) => Access::Gather,
+            Slot::Entry(..) | Slot::Number(_) | Slot::Collective(_) => Access::Gather,
         }
     }
 

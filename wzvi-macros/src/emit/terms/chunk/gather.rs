@@ -9,6 +9,7 @@ use quote::{format_ident, quote};
 
 use super::access::{Access, InnerLoop};
 use super::{Arithmetic, Chunk, rows};
+use crate::emit::terms::kernel::{Target, is_total};
 use crate::emit::terms::tiles::is_correctly_rounded;
 use crate::indices::{Indices, OpenList};
 use crate::model::{Atom, Element, Half, Index, Slot, Table};
@@ -24,6 +25,7 @@ pub(in crate::emit::terms) fn open_lists(element: &Element, tables: &[Table]) ->
                 open_lists_of(index, inner.variable, tables, &mut open);
             }
             Slot::Entry(table, indices) => open_list(*table, indices, inner.variable, tables, &mut open),
+            Slot::Collective(_) => {}
         }
     }
     open
@@ -78,9 +80,15 @@ pub(super) struct GatheredBlock {
     open: TokenStream,
 }
 
-/// Whether the innermost loop of an element reads the state at places that are not adjacent, and calls
-/// functions, so that gathering pays. Products and quotients alone are cheaper than gathering their operands.
-pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
+/// Whether the innermost loop of an element reads the state at places that are not adjacent, or adds to a
+/// collective variable or reads one, and calls functions, so that gathering pays. Products and quotients
+/// alone are cheaper than gathering their operands.
+pub(in crate::emit::terms) fn gathers(
+    graph: &Graph,
+    element: &Element,
+    outputs: &[(Expr, Target)],
+    components: i128,
+) -> bool {
     let Some(inner) = element.loops.last() else { return false };
     let inner_loop = InnerLoop { variable: inner.variable, components };
     let is_free = |slot: &Slot| {
@@ -93,8 +101,13 @@ pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, componen
         node.for_each_operand(|operand| reads_state |= graph.depends_on(operand, &state));
         reads_state && !is_correctly_rounded(node)
     };
-    element.locals.iter().any(|local| is_free(&local.slot))
-        && graph.reachable(&[element.value]).into_iter().any(is_long)
+    let is_one_by_one = is_total(outputs) || element.is_collective();
+    let values: Vec<Expr> = match is_total(outputs) {
+        true => outputs.iter().map(|(value, _)| *value).collect(),
+        false => vec![element.value],
+    };
+    (is_one_by_one || element.locals.iter().any(|local| is_free(&local.slot)))
+        && graph.reachable(&values).into_iter().any(is_long)
 }
 
 impl Chunk<'_> {

@@ -232,7 +232,7 @@ impl Chunk<'_> {
         let (buffer, zero, value) = (format_ident!("__b{j}"), self.zero(), code.values[j].clone());
         let is_moving = |index: &Index| index.loops().contains(&self.inner.variable);
         let is_fixed = match target {
-            Target::Value { .. } | Target::Total => true,
+            Target::Value { .. } | Target::Total { .. } => true,
             Target::Gradient { index, .. } => !is_moving(index),
             Target::Hessian { row, column, .. } => !is_moving(row) && !is_moving(column),
         };

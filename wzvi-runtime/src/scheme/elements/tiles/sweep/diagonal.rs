@@ -49,7 +49,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         let LoopScratch { lists, solver: IterationMemory { linear, sweeps, .. }, threads, .. } = scratch;
         let inverses = match linear {
             Some(LinearSolver::Band(band)) => S::as_f64s(band.inverses()?)?,
-            Some(LinearSolver::Krylov(_)) | None => return None,
+            Some(LinearSolver::Bordered(_) | LinearSolver::Krylov(_)) | None => return None,
         };
         let sweeps = sweeps.get_or_insert_with(|| Box::new(TiledSweeps::new(&step, *threads)));
         if !sweeps.tiles.are_independent() {

@@ -1,0 +1,221 @@
+//! The values of collective variables, before the loops of the elements that read them: sums over all sites,
+//! and slopes by these. Sums in the same loops are computed in one pass. Tests: `tests/loops/collective.rs`.
+
+use std::collections::BTreeMap;
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::kernel::Target;
+use super::weighted::{ElementEmitter, Outputs};
+use super::{Derivative, arm, opened};
+use crate::discretise::{PartElements, Weighted, unweighted};
+use crate::emit::{count, f64_type};
+use crate::model::{Collective, CollectiveSlot, Collectives, Element, Half, Loop, Reads, System};
+use crate::symbolic::Expr;
+
+/// The name of the value of a collective variable.
+pub(super) fn name(slot: CollectiveSlot) -> Ident {
+    format_ident!("__collective{}", slot.number)
+}
+
+/// The collective variables that elements need, with the halves of the state by which these are
+/// differentiated; variables that others read come first.
+fn needed(all: &Collectives, group: &[Weighted]) -> Vec<(CollectiveSlot, Reads)> {
+    let mut needed: BTreeMap<u32, (CollectiveSlot, Reads)> = BTreeMap::new();
+    let mut pending: Vec<(CollectiveSlot, Reads)> = Vec::new();
+    for Weighted { element, .. } in group {
+        let reads = match element.is_covector() {
+            true => Reads { q: true, p: false },
+            false => element.reads(),
+        };
+        pending.extend(element.collectives().map(|(_, slot)| (slot, reads)));
+    }
+    while let Some((slot, reads)) = pending.pop() {
+        let known = needed.entry(slot.number).or_insert((slot, Reads { q: false, p: false }));
+        let joined = known.1.or(reads);
+        let of_variable = &all.of(slot).elements;
+        if joined != known.1 {
+            known.1 = joined;
+            pending.extend(of_variable.iter().flat_map(Element::collectives).map(|(_, slot)| (slot, joined)));
+        }
+    }
+    needed.into_values().collect()
+}
+
+/// Elements of collective variables in the same loops, with the variables that they are terms of.
+type Pass = (Vec<Loop>, Vec<(Ident, Element)>);
+
+impl ElementEmitter<'_> {
+    /// The values of the collective variables that the elements of a group read.
+    pub(super) fn collectives(&mut self, group: &[Weighted]) -> TokenStream {
+        let mut left = needed(&self.model.collectives, group);
+        let mut code = TokenStream::new();
+        while let Some(&(_, wanted)) = left.first() {
+            // Those that read none of the others, and are wanted where the first one is.
+            let numbers: Vec<u32> = left.iter().map(|(slot, _)| slot.number).collect();
+            let all = &self.model.collectives;
+            let is_ready = |(slot, reads): &(CollectiveSlot, Reads)| {
+                let mut read = all.of(*slot).elements.iter().flat_map(Element::collectives);
+                *reads == wanted && !read.any(|(_, other)| numbers.contains(&other.number))
+            };
+            let (ready, others): (Vec<_>, Vec<_>) = left.into_iter().partition(is_ready);
+            left = others;
+            let ready: Vec<Collective> =
+                ready.iter().map(|(slot, _)| self.model.collectives.of(*slot).clone()).collect();
+            code.extend(self.values_of(&ready, wanted));
+        }
+        code
+    }
+
+    /// The values of variables that do not read each other.
+    fn values_of(&mut self, variables: &[Collective], wanted: Reads) -> TokenStream {
+        let names: Vec<Ident> = variables.iter().map(|known| name(known.slot)).collect();
+        let mut passes: Vec<Pass> = Vec::new();
+        for (known, name) in variables.iter().zip(&names) {
+            for element in &known.elements {
+                let term = (name.clone(), element.clone());
+                match passes.iter_mut().find(|(loops, _)| *loops == element.loops) {
+                    Some((_, terms)) => terms.push(term),
+                    None => passes.push((element.loops.clone(), vec![term])),
+                }
+            }
+        }
+        let passes: TokenStream = passes.into_iter().map(|(loops, terms)| self.pass(loops, &terms)).collect();
+        let zero = self.derivative.constant(&quote!(0.0));
+        let passes = match (self.derivative, wanted) {
+            (Derivative::Value | Derivative::Hessian, _) => passes,
+            (_, Reads { q: true, p: true }) => quote!(if __partials.by_q || __partials.by_p { #passes }),
+            (_, Reads { p: true, .. }) => quote!(if __partials.by_p { #passes }),
+            _ => quote!(if __partials.by_q { #passes }),
+        };
+        quote! {
+            #(let mut #names = #zero;)*
+            #passes
+            #(let #names = #names;)*
+        }
+    }
+
+    /// One pass over the sites.
+    fn pass(&mut self, loops: Vec<Loop>, terms: &[(Ident, Element)]) -> TokenStream {
+        let mut locals = Vec::new();
+        for local in terms.iter().flat_map(|(_, element)| &element.locals) {
+            if !locals.iter().any(|known: &crate::model::Local| known.symbol == local.symbol) {
+                locals.push(local.clone());
+            }
+        }
+        let values: Vec<(Expr, Target)> = terms
+            .iter()
+            .map(|(name, element)| (element.value, Target::Total { sum: name.clone() }))
+            .collect();
+        let Some((value, _)) = values.first() else { return TokenStream::new() };
+        let element = Element { loops, value: *value, locals };
+        let weighted = unweighted(&[element]);
+        let code = weighted.iter().map(|weighted| {
+            self.computed(weighted, None, Outputs { values: values.clone(), ..Outputs::default() })
+        });
+        let code: TokenStream = code.collect();
+        quote!({ #code })
+    }
+}
+
+/// `Elements::collective_hessian`: the terms of rank one of the second derivatives; `None` if no part has
+/// any.
+pub(super) fn hessian_method(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
+    let mut emitter = ElementEmitter { model, derivative: Derivative::Hessian };
+    let arms = parts.iter().map(|part| {
+        let code = emitter.rank_one_terms(part);
+        arm(part.part as usize, None, &code)
+    });
+    let code: TokenStream = arms.collect();
+    let opened = opened(model, &code);
+    let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
+    (!code.is_empty()).then(|| {
+        quote! {
+            const IS_COLLECTIVE: __wzvi::bool = true;
+
+            fn collective_hessian<__S: __wzvi::Scalar>(
+                &self,
+                __part: #usize,
+                __weight: #f64,
+                __at: &#elements::EvaluationPoint<'_, __S>,
+                __into: &mut #elements::CollectiveHessian<__S>,
+            ) {
+                use #elements::{AdjacentSums as _, Sums as _};
+                #opened
+                match __part {
+                    #code
+                    _ => {}
+                }
+            }
+        }
+    })
+}
+
+impl ElementEmitter<'_> {
+    /// The slopes of the collective variables by the state, and those of the first derivatives of a part by
+    /// these variables.
+    fn rank_one_terms(&mut self, part: &PartElements) -> TokenStream {
+        let read = needed(&self.model.collectives, &part.elements);
+        let read: Vec<CollectiveSlot> = read.into_iter().map(|(slot, _)| slot).collect();
+        if !part.elements.iter().any(|weighted| weighted.element.is_collective()) {
+            return TokenStream::new();
+        }
+        let place_of = |slot: CollectiveSlot| count(read.iter().take_while(|known| **known != slot).count());
+        let mut code = self.collectives(&part.elements);
+        for &slot in &read {
+            let own = place_of(slot);
+            for weighted in unweighted(&self.model.collectives.of(slot).elements.clone()) {
+                let element = &weighted.element;
+                let outputs = self.slopes_of(element, element.value);
+                let gradient = self.computed(&weighted, None, outputs);
+                code.extend(quote!({ let [__by_q, __by_p] = __into.gradient(#own); #gradient }));
+                for (symbol, inner) in element.moving_collectives() {
+                    let slope = self.model.graph.derivative(element.value, symbol);
+                    let values = vec![(slope, Target::total())];
+                    let slope = self.computed(&weighted, None, Outputs { values, ..Outputs::default() });
+                    let inner = place_of(inner);
+                    code.extend(quote! {{
+                        let mut __total = __S::from_f64(0.0);
+                        #slope
+                        __into.chain(#own, #inner, __total);
+                    }});
+                }
+            }
+        }
+        for weighted in &part.elements {
+            let weight = self.weight(part, weighted);
+            for (symbol, slot) in weighted.element.moving_collectives() {
+                let (value, weight) = self.weighed(&weighted.element, Some(&weight));
+                let slope = self.model.graph.derivative(value, symbol);
+                let outputs = self.slopes_of(&weighted.element, slope);
+                let (own, slopes) = (place_of(slot), self.computed(weighted, weight, outputs));
+                code.extend(quote!({ let [__by_q, __by_p] = __into.slopes(#own); #slopes }));
+            }
+        }
+        let variables = count(read.len());
+        quote!(__into.begin(__at.degrees(), #variables); #code)
+    }
+
+    /// The slopes of a value by the variables of an element; for a covector `f`, components of `-f`.
+    fn slopes_of(&mut self, element: &Element, value: Expr) -> Outputs {
+        let graph = &mut self.model.graph;
+        let values: Vec<(Expr, Target)> = match element.is_covector() {
+            true => element
+                .displacements()
+                .map(|(symbol, index)| {
+                    let component = graph.derivative(value, symbol);
+                    (graph.negate(component), Target::gradient(Half::Coordinates, index.clone()))
+                })
+                .collect(),
+            false => [Half::Coordinates, Half::Momenta]
+                .into_iter()
+                .flat_map(|half| element.of_half(half).map(move |(symbol, index)| (half, symbol, index)))
+                .map(|(half, symbol, index)| {
+                    (graph.derivative(value, symbol), Target::gradient(half, index.clone()))
+                })
+                .collect(),
+        };
+        Outputs { values, ..Outputs::default() }
+    }
+}

@@ -1,0 +1,64 @@
+//! Second derivatives of functions of collective variables: numbers that all sites determine together.
+//!
+//! The first derivatives `F_x(x, c)` of a part read the state and the collective variables `c_m(x)`. So
+//!
+//! ```text
+//! d²F/dx dx = ∂F_x/∂x + Σ_m b_m a_mᵀ,   b_m = ∂F_x/∂c_m,   a_m = dc_m/dx
+//! ```
+//!
+//! with a sparse first term, which [`Elements::hessian`](super::Elements::hessian) gives, and a term of rank
+//! one for each variable.
+
+use crate::algebra::scalar::Scalar;
+
+/// The terms of rank one of the second derivatives of a part: for each variable `a` and `b`, by coordinates
+/// and then by momenta.
+#[derive(Clone, Debug, Default)]
+pub struct CollectiveHessian<S> {
+    degrees: usize,
+    variables: usize,
+    gradients: Vec<S>,
+    slopes: Vec<S>,
+}
+
+impl<S: Scalar> CollectiveHessian<S> {
+    /// Clears the terms, for `variables` of a system of `degrees` degrees of freedom.
+    pub fn begin(&mut self, degrees: usize, variables: usize) {
+        (self.degrees, self.variables) = (degrees, variables);
+        for list in [&mut self.gradients, &mut self.slopes] {
+            list.clear();
+            list.resize(2 * degrees * variables, S::from_f64(0.0));
+        }
+    }
+
+    /// `a` of a variable.
+    pub fn gradient(&mut self, variable: usize) -> [&mut [S]; 2] {
+        halves(&mut self.gradients, variable, self.degrees)
+    }
+
+    /// `b` of a variable.
+    pub fn slopes(&mut self, variable: usize) -> [&mut [S]; 2] {
+        halves(&mut self.slopes, variable, self.degrees)
+    }
+
+    /// Adds `slope` times `a` of the variable `inner` to that of `outer`, which reads it.
+    pub fn chain(&mut self, outer: usize, inner: usize, slope: S) {
+        let size = 2 * self.degrees;
+        let (before, after) = self.gradients.split_at_mut(outer * size);
+        for (own, &inner) in after[..size].iter_mut().zip(&before[inner * size..]) {
+            *own = *own + slope * inner;
+        }
+    }
+
+    /// `a` and `b` of each variable, both by coordinates and by momenta.
+    pub(super) fn terms(&self) -> impl Iterator<Item = [[&[S]; 2]; 2]> {
+        let size = (2 * self.degrees).max(1);
+        let lists = self.gradients.chunks_exact(size).zip(self.slopes.chunks_exact(size));
+        lists.map(|(a, b)| [a, b].map(|list| list.split_at(self.degrees).into()))
+    }
+}
+
+fn halves<S>(lists: &mut [S], variable: usize, degrees: usize) -> [&mut [S]; 2] {
+    let size = 2 * degrees;
+    lists[variable * size..(variable + 1) * size].split_at_mut(degrees).into()
+}
