@@ -331,6 +331,7 @@ fn settings() -> [u64; 2] {
 
 /// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 SEED=7 cargo test --workspace --release --test laws branches -- --nocapture` is 10^4 steps.
 #[test]
+#[cfg_attr(feature = "short", ignore = "takes long: part of .ci/release")]
 fn random_steps_continue_their_state() {
     let ([steps, seed], mut all) = (settings(), Counts::default());
     macro_rules! of {

@@ -238,6 +238,7 @@ struct NonCommuting {
 }
 
 #[test]
+#[cfg_attr(feature = "short", ignore = "takes the longest: part of .ci/release")]
 fn noises_that_do_not_commute_halve_the_order() {
     let (system, start) = (NonCommuting { sigma: 1.0 }, State::new([0.3], [1.0]));
     strong::<Midpoint, _>(&system, start, 4..=8, 13).check_order(0.5);
