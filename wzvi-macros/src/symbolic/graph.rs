@@ -85,8 +85,8 @@ pub(crate) enum Node {
     },
     /// `Π base^exponent`, sorted by (base, exponent). Exponents of opposite sign of one base stay separate
     /// unless the base is known not to be zero, and fractional exponents occur only with bases proven
-    /// nonnegative: the domain is preserved. Bases are neither products nor multiples that could be flattened (the
-    /// exceptions are those of sums, and products with exponents beyond those of `powi`).
+    /// nonnegative: the domain is preserved. Bases are neither products nor multiples that could be
+    /// flattened (the exceptions are those of sums, and products with exponents beyond those of `powi`).
     Product(Box<[(Expr, Rational)]>),
     Apply(Function, Box<[Expr]>),
     /// `if condition { then } else { otherwise }`.

@@ -3,12 +3,11 @@
 //! With every function of one argument node replaced by an independent random number (or a rational function
 //! of one, so that `sin² + cos² = 1`, addition theorems and `2 sin²(x/2) = 1 - cos x` hold; `hypot(x, y)` is
 //! `√(x² + y²)`, `x^y` maps sums of exponents to products, `2^x` is such a power of 2, `log2`, `log10` and
-//! `ln(1 + x)` are logarithms `ln`, and the binary64 numbers next to `ln 2`, `ln 10` and their quotients stand
-//! for these), an expression is a rational function of degree `d` in random numbers
-//! of the field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p`
-//! (Schwartz, Zippel), below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals
-//! could still vanish modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure,
-//! exclude that.
+//! `ln(1 + x)` are logarithms `ln`, and the binary64 numbers next to `ln 2`, `ln 10` and their quotients
+//! stand for these), an expression is a rational function of degree `d` in random numbers of the field with
+//! `p` elements. A nonzero one vanishes at a random point with probability at most `d / p` (Schwartz,
+//! Zippel), below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals could still
+//! vanish modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure, exclude that.
 //!
 //! Square roots take a random sign per value and point: an expression such as `√(x²) - x` vanishes for only
 //! half of them, so that with roots [`POINTS_WITH_ROOTS`] points are tried. A base that is not a square has
