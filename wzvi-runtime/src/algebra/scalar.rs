@@ -254,8 +254,8 @@ pub trait Scalar:
     fn abs(self) -> Self;
     /// The sign: 1 or -1.
     fn signum(self) -> Self;
-    /// The smaller of two, and not NaN where one of them is a number. Of two zeros the first: those of `f64`
-    /// depend on the machine.
+    /// The smaller of two, and not NaN where one of them is a number. It is the first of two
+    /// zeros: `f64::min` takes one that depends on the machine.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn min(self, other: Self) -> Self {
         Self::select(self.less_equal(other) | !other.equal(other), self, other)

@@ -140,8 +140,8 @@ mod tests {
         }
     }
 
-    /// A path that goes from step to step has blocks ahead, of all processes: the same normals, from any start,
-    /// after jumps, with other numbers of processes, negated and truncated.
+    /// A path that goes from step to step has blocks ahead, of all processes: the same normals, from any
+    /// start, after jumps, with other numbers of processes, negated and truncated.
     #[test]
     fn a_path_has_the_normals_of_lanes() {
         let (h, seed, path) = (0.05, 5, 13);

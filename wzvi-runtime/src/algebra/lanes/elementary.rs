@@ -4,9 +4,9 @@
 //! they use IEEE additions, multiplications, divisions and square roots in a fixed order, without fused
 //! operations, so that SSE2, AVX2, AVX-512 and NEON agree. They do not branch for usual arguments, so a loop
 //! over an array becomes vector code. One number alone branches past operations whose results are not
-//! selected, and takes the others in the same order: its bits are those of a lane. Rare arguments (huge, subnormal, infinite, NaN, out of the domain) take
-//! the functions of the crate `libm`, one number at a time, which are as portable. So every result is a
-//! function of its argument alone.
+//! selected, and takes the others in the same order: its bits are those of a lane. Rare arguments (huge,
+//! subnormal, infinite, NaN, out of the domain) take the functions of the crate `libm`, one number at a time,
+//! which are as portable. So every result is a function of its argument alone.
 //!
 //! The formulas and polynomials are those of fdlibm:
 //!
