@@ -8,6 +8,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, reason = "test systems")]
 
+#[allow(unreachable_pub, reason = "a module of several crates")]
+#[path = "fixtures/portable.rs"]
+mod portable;
+
 use fixtures::bath;
 use fixtures::small::{DoubleWell, HenonHeiles, Kubo};
 use wzvi::checkpoint::Checkpoint;
@@ -341,7 +345,7 @@ fn every_run_has_the_bits_of_the_table() {
     small_steps(&mut table);
     steps_of_any_size(&mut table);
     whole_runs(&mut table);
-    table.0.extend(fixtures::portable::rows());
+    table.0.extend(portable::rows());
     let (file, text) = (concat!(env!("CARGO_MANIFEST_DIR"), "/data/bits.txt"), table.0.join("\n") + "\n");
     if std::env::var_os("BITS").is_some_and(|value| value == "overwrite") {
         std::fs::write(file, &text).unwrap();

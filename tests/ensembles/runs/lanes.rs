@@ -1,6 +1,9 @@
 //! What a lane does is what a stepper does: the same bits, and the same errors.
 
-use fixtures::portable::{Morse, Others, Powers, Rotors, Shaken, Swing, Warm, start};
+#[allow(dead_code, unreachable_pub, reason = "a module of several crates")]
+#[path = "../../fixtures/portable.rs"]
+mod portable;
+
 use fixtures::small::Kepler;
 use fixtures::stepped::{failed, hard, paths_are_steppers};
 use std::slice::from_ref;
@@ -11,6 +14,7 @@ use wzvi::nalgebra;
 use wzvi::prelude::*;
 
 use super::{DoubleWell, KUBO};
+use portable::{Morse, Others, Powers, Rotors, Shaken, Swing, Warm, start};
 
 /// Two degrees of freedom, three unknowns or more in one block.
 #[hamiltonian(
