@@ -71,7 +71,7 @@ pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
             let of = match known.role {
                 CollectiveRole::Sum => String::new(),
                 CollectiveRole::Slope(number) => {
-                    let sum = &collectives.all()[number as usize];
+                    let sum = collectives.numbered(number);
                     format!(" = ∂H/∂{}", graph.symbol_name(sum.symbol))
                 }
             };

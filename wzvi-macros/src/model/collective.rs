@@ -50,7 +50,7 @@ pub(crate) struct Collective {
     pub(crate) symbol: Symbol,
     pub(crate) slot: CollectiveSlot,
     pub(crate) role: CollectiveRole,
-    /// Their sum is the variable.
+    /// The terms, whose sum is the variable.
     pub(crate) elements: Vec<Element>,
 }
 
@@ -77,7 +77,13 @@ impl Collectives {
     }
 
     pub(crate) fn of(&self, slot: CollectiveSlot) -> &Collective {
-        &self.0[slot.number as usize]
+        self.numbered(slot.number)
+    }
+
+    /// The variable with this number. Numbers come from [`Collectives::variable`], which appends to the list,
+    /// and nothing is removed from it.
+    pub(crate) fn numbered(&self, number: u32) -> &Collective {
+        &self.0[number as usize]
     }
 
     /// The variable with these elements, the same for the same elements.
@@ -139,7 +145,7 @@ impl Collectives {
         while let Some((number, terms)) = slopes.pop_last() {
             let slope = self.variable(graph, t, CollectiveRole::Slope(number), terms, variables);
             let slope = graph.symbol(slope);
-            for element in self.0[number as usize].elements.clone() {
+            for element in self.numbered(number).elements.clone() {
                 let times = |graph: &mut Graph, value| graph.multiply(slope, value);
                 if acts(graph, &element, t) {
                     let value = times(graph, element.value);
@@ -206,7 +212,7 @@ impl Element {
         })
     }
 
-    /// Those that change along a path.
+    /// The collective variables that it reads and that change along a path.
     pub(crate) fn moving_collectives(&self) -> impl Iterator<Item = (Symbol, CollectiveSlot)> {
         self.collectives().filter(|(_, slot)| slot.moves())
     }

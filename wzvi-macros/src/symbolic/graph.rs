@@ -257,6 +257,7 @@ impl Graph {
         self.sign(expr) == Sign::Positive || self.nonzero.contains(&expr)
     }
 
+    /// The meaning of a variable of this graph: each has an entry from its creation on.
     pub(crate) fn kind_of(&self, symbol: Symbol) -> SymbolKind {
         self.kinds[symbol.index()]
     }
@@ -333,6 +334,7 @@ impl Graph {
         self.supports[expr.index()]
     }
 
+    /// The key of a node of this graph: each has an entry from its creation on.
     pub(super) fn order_key(&self, expr: Expr) -> OrderKey {
         self.order_keys[expr.index()]
     }

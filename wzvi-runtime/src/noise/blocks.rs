@@ -93,9 +93,9 @@ impl PathBlocks {
         self.h == h.to_bits() && self.processes == processes
     }
 
-    /// The increments of a step that is at this place of a block which is there, by process.
+    /// The increments of the step at a place of a block that is there, by process.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn row(&self, (block, place): (u64, usize)) -> &[f64] {
+    pub(super) fn row(&self, block: u64, place: usize) -> &[f64] {
         let first = (block.wrapping_sub(self.first) as usize * STEPS + place) * self.processes;
         let row = self.increments.get(first..first + self.processes);
         debug_assert!(row.is_some(), "the row of a step is there");
@@ -185,7 +185,9 @@ impl BlocksInLanes<'_> {
                         continue;
                     }
                     for i in first..few.min(first + TOGETHER) {
-                        of_step[place_of[i]] = dw[i];
+                        if let Some(to) = of_step.get_mut(place_of[i]) {
+                            *to = dw[i];
+                        }
                     }
                 }
             }

@@ -250,7 +250,7 @@ impl StepNormals {
         if !self.drawn.has(dw.len(), h, block) {
             self.draw(dw.len(), h, block);
         }
-        dw.iter_mut().zip(self.drawn.row((block, place))).for_each(|(to, from)| *to = *from);
+        dw.iter_mut().zip(self.drawn.row(block, place)).for_each(|(to, from)| *to = *from);
     }
 
     #[inline(never)]

@@ -52,7 +52,7 @@ impl ElementEmitter<'_> {
         let mut left = needed(&self.model.collectives, group);
         let mut code = TokenStream::new();
         while let Some(&(_, wanted)) = left.first() {
-            // Those that read none of the others, and are wanted where the first one is.
+            // A pass takes the variables that read none of the others and are wanted where the first one is.
             let numbers: Vec<u32> = left.iter().map(|(slot, _)| slot.number).collect();
             let all = &self.model.collectives;
             let is_ready = |(slot, reads): &(CollectiveSlot, Reads)| {

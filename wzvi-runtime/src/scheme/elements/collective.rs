@@ -44,6 +44,7 @@ impl<S: Scalar> CollectiveHessian<S> {
     /// Adds `slope` times `a` of the variable `inner` to that of `outer`, which reads it.
     pub fn chain(&mut self, outer: usize, inner: usize, slope: S) {
         let size = 2 * self.degrees;
+        // A variable reads others with lower numbers only, and both are below the number given to `begin`.
         let (before, after) = self.gradients.split_at_mut(outer * size);
         for (own, &inner) in after[..size].iter_mut().zip(&before[inner * size..]) {
             *own = *own + slope * inner;
@@ -58,6 +59,7 @@ impl<S: Scalar> CollectiveHessian<S> {
     }
 }
 
+/// The slopes of a variable by coordinates and by momenta. `begin` made room for all variables.
 fn halves<S>(lists: &mut [S], variable: usize, degrees: usize) -> [&mut [S]; 2] {
     let size = 2 * degrees;
     lists[variable * size..(variable + 1) * size].split_at_mut(degrees).into()

@@ -157,6 +157,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
                 terms.begin(0, 0);
                 self.system.collective_hessian(part, weight, &at, terms);
                 for [[a_q, a_p], [b_q, b_p]] in terms.terms() {
+                    // All four lists, and the diagonal, have an entry for each degree of freedom.
                     if self.scheme.unknowns == Unknowns::Both {
                         for i in 0..degrees {
                             u.extend([-b_p[i], b_q[i] * start]);
