@@ -269,6 +269,8 @@ pub trait Scalar:
 
 /// The number type of computations on values that are stored as `S`.
 pub trait Number<S: Scalar>: Scalar<Constant = S::Constant> {
+    /// Whether functions are NaN for some arguments where they have a value.
+    const IS_PARTIAL: bool = false;
     /// The number of a stored value.
     fn of(kept: S) -> Self;
     /// As it is kept.

@@ -27,6 +27,9 @@ pub trait Shape: Debug + Clone + Copy + Default + 'static {
     /// exchange. Only numbers that are `f64` come so.
     fn exchange<S: Scalar>(list: &mut Self::List<S>, new: &mut Vec<f64>);
 
+    /// Replaces `kept` by a list of the same length, which may take the old numbers in exchange.
+    fn keep<T: Copy + Debug>(kept: &mut Self::List<T>, list: &mut Self::List<T>);
+
     /// Returns the lists to `room`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn give_back<T>(room: &mut T, lent: T) {
@@ -49,6 +52,11 @@ impl<const D: usize> Shape for Fixed<D> {
         [fill; D]
     }
 
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn keep<T: Copy + Debug>(kept: &mut [T; D], list: &mut [T; D]) {
+        *kept = *list;
+    }
+
     fn exchange<S: Scalar>(list: &mut [S; D], new: &mut Vec<f64>) {
         if let Some(list) = S::as_f64s_mut(list) {
             list.copy_from_slice(new);
@@ -67,6 +75,11 @@ impl Shape for Dynamic {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn list<T: Copy + Debug>(length: usize, fill: T) -> Vec<T> {
         vec![fill; length]
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn keep<T: Copy + Debug>(kept: &mut Vec<T>, list: &mut Vec<T>) {
+        std::mem::swap(kept, list);
     }
 
     fn exchange<S: Scalar>(list: &mut Vec<S>, new: &mut Vec<f64>) {

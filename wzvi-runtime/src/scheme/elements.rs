@@ -71,6 +71,7 @@ pub use quadrature::{Linearity, MomentumUpdate, Quadrature, QuadraturePoint, Unk
 pub(crate) use step::nothing;
 pub use sums::{AdjacentSums, ElementInput, Sums, disjoint_placements, stretch};
 pub(crate) use tiles::BLOCK;
+pub(crate) use tiles::MOST_IN_ONE;
 pub use tiles::{Flow, ForceArguments, KickForm, LEAST_IN_TILES, Move, NewState, TilePlan, Word, take_tiles};
 
 use std::ops::Range;
@@ -372,9 +373,10 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     }
 }
 
-/// Adds the derivatives of a step Hamiltonian `T(p) + V(q)` by `state`, the coordinates or the momenta.
+/// Adds the derivatives of a step Hamiltonian `T(p) + V(q)` by `state`, the coordinates or the momenta. Unless
+/// `EXACT`, numbers `f64` are those that vectorised functions cover, and NaN beyond.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn add_gradient<H: Elements, S: Scalar>(
+pub(crate) fn add_gradient<H: Elements, S: Scalar, const EXACT: bool>(
     system: &H,
     flow: Flow<'_, S>,
     state: &[S],
@@ -385,12 +387,29 @@ pub(crate) fn add_gradient<H: Elements, S: Scalar>(
     let (at, none) = (flow.at(state), &mut [][..]);
     // A single call, so that it is inlined.
     for (part, is_there) in flow.parts::<H>() {
+        if const { !EXACT && takes_common_range::<H, S>() }
+            && is_there
+            && let (Some(at), Some(into)) = (at.plain(), S::as_f64s_mut(&mut *into))
+        {
+            let none = &mut [][..];
+            match wanted.by_q {
+                true => system.gradient::<f64, H::CommonRange>(part, 1.0, &at, wanted, into, none),
+                false => system.gradient::<f64, H::CommonRange>(part, 1.0, &at, wanted, none, into),
+            }
+            continue;
+        }
         match wanted.by_q {
             _ if !is_there => {}
             true => slopes(system, (part, 1.0), &at, wanted, into, none, columns),
             false => slopes(system, (part, 1.0), &at, wanted, none, into, columns),
         }
     }
+}
+
+/// Whether the functions of a system are vectorised in numbers that do not cover all arguments. Rows of pairs
+/// look after theirs.
+pub(crate) const fn takes_common_range<H: Elements, S: Scalar>() -> bool {
+    H::CommonRange::IS_PARTIAL && S::MAY_BE_F64 && !pairs::may_take_vectors::<H>()
 }
 
 impl<'a, S: Scalar> Flow<'a, S> {

@@ -16,6 +16,8 @@ use crate::ground::numbers::{Numbers, Tape, numbers};
 pub struct CommonRange(f64);
 
 impl Number<f64> for CommonRange {
+    const IS_PARTIAL: bool = true;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn of(kept: f64) -> Self {
         Self(kept)

@@ -53,6 +53,12 @@ impl InstructionSet {
         if self == Self::Avx512 && numbers <= 4 && Self::Avx2.is_available() { Self::Avx2 } else { self }
     }
 
+    /// This set, or AVX2 where loops over so many numbers would be short: the compiler unrolls them by four
+    /// registers, and takes the rest one by one.
+    pub(crate) fn for_loop(self, numbers: usize) -> Self {
+        if self == Self::Avx512 && numbers < 128 && Self::Avx2.is_available() { Self::Avx2 } else { self }
+    }
+
     /// Runs the kernel with these instructions, or with those of the baseline where the machine does not have
     /// them, and in builds with debug assertions.
     // A function of its own would copy kernels that registers do not hold.

@@ -357,6 +357,11 @@ impl<'m, T: Elements, K: Constant, S: ComputesWith<K>> OParts<'m, T, K, S> {
         self.relaxation.diagonal().is_some()
     }
 
+    /// Forgets the heats of a step that is taken again.
+    pub(super) fn begin_again(&mut self) {
+        self.heats.fill(S::from_f64(0.0));
+    }
+
     /// [Applies](Relaxation::apply) part number `part`, between two drifts over the time `drift` if there is
     /// one; returns its heat.
     ///

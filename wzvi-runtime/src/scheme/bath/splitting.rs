@@ -18,7 +18,7 @@ use crate::algebra::state_sum::{self, PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure, wrong};
 use crate::scheme::compose::flows::KickDriftFlows;
 use crate::scheme::compose::stages::{
-    self, Act, SplittingLists, SplittingMemory, Stage, StageList, StepParts,
+    self, Act, KeptForce, PartScratch, SplittingLists, SplittingMemory, Stage, StageList, StepParts,
 };
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::tiled::{TiledInput, TiledMemory, least_scalar, takes_tiles};
@@ -274,20 +274,30 @@ struct WithParts<'m, F: Field, K: Constant, S> {
 }
 
 impl<F: Field, K: Constant, S: ComputesWith<K>> StepParts<S, F::Shape, Act> for WithParts<'_, F, K, S> {
+    const IS_PARTIAL: bool = <KickDriftFlows<'_, F, K> as StepParts<S, F::Shape, Act>>::IS_PARTIAL;
+
+    fn begin_again(&mut self) {
+        self.heat = S::from_f64(0.0);
+        self.parts.begin_again();
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take_part<C: StateSum<S>>(
+    fn take_part<C: StateSum<S>, const EXACT: bool>(
         &mut self,
         stage: &Stage<Act>,
-        lists: &mut SplittingLists<S, F::Shape>,
-        memory: &mut SplittingMemory<S, F::Shape>,
+        lists: &mut SplittingLists<'_, S, F::Shape>,
+        kept: &mut KeptForce<S, F::Shape>,
+        scratch: &mut PartScratch<S>,
     ) -> Result<(), StepFailure> {
-        let [q, p, _, lost_p, ..] = lists.0.each_mut().map(AsMut::as_mut);
         let (part, drift) = match stage.act {
-            Act::Flow(_) | Act::Square(_) => return self.flows.take_part::<C>(stage, lists, memory),
+            Act::Flow(_) | Act::Square(_) => {
+                return self.flows.take_part::<C, EXACT>(stage, lists, kept, scratch);
+            }
             Act::Relax(part) => (part, None),
             Act::RelaxBetween(part) => (part, Some(self.flows.h * (self.flows.stretch * stage.weight))),
         };
-        self.heat = self.heat + self.parts.apply::<C>(part, drift, [q, p, lost_p])?;
+        let SplittingLists { q, p, rooms } = lists;
+        self.heat = self.heat + self.parts.apply::<C>(part, drift, [q, p, rooms.lost_p.as_mut()])?;
         Ok(())
     }
 }

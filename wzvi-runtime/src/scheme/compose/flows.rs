@@ -18,7 +18,8 @@ use super::Composes;
 use super::gradient::KickInput;
 use super::lagrangian::{self, SequenceEnd};
 use super::stages::{
-    Act, ForceTime, SplittingLists, SplittingMemory, Stage, StageList, StepParts, add, follow, take_parts,
+    Act, ForceReuse, ForceTime, KeptForce, PartScratch, SplittingLists, SplittingMemory, SplittingRooms,
+    Stage, StageList, StepParts, add, follow, take_parts,
 };
 use super::substeps::{Half, Substeps, kept_energy, plan};
 use super::tiled::{TiledInput, least_scalar, takes_tiles};
@@ -29,7 +30,9 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::algebra::state_sum::{self, PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure, StepPromise};
-use crate::scheme::elements::{Flow, PairColumns, Partials, add_gradient, check_new, nothing};
+use crate::scheme::elements::{
+    Flow, PairColumns, Partials, add_gradient, check_new, nothing, takes_common_range,
+};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
@@ -63,7 +66,7 @@ where
     fn memory(system: &F) -> Self::Memory<f64> {
         let mut memory = SplittingMemory::of_system(system);
         if SQUARES {
-            memory.directional.fit(system.degrees(), Hamiltonian::noises(system));
+            memory.scratch.directional.fit(system.degrees(), Hamiltonian::noises(system));
         }
         memory
     }
@@ -156,33 +159,36 @@ impl<F: Field, K: Constant, const SQUARES: bool> Copy for KickDriftFlows<'_, F, 
 impl<F: Field, K: Constant, S: ComputesWith<K>, const SQUARES: bool> StepParts<S, F::Shape, Act>
     for KickDriftFlows<'_, F, K, SQUARES>
 {
+    const IS_PARTIAL: bool = !F::Shape::IS_FIXED && takes_common_range::<F, S>();
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take_part<C: StateSum<S>>(
+    fn take_part<C: StateSum<S>, const EXACT: bool>(
         &mut self,
         stage: &Stage<Act>,
-        SplittingLists(lists): &mut SplittingLists<S, F::Shape>,
-        memory: &mut SplittingMemory<S, F::Shape>,
+        lists: &mut SplittingLists<'_, S, F::Shape>,
+        kept: &mut KeptForce<S, F::Shape>,
+        scratch: &mut PartScratch<S>,
     ) -> Result<(), StepFailure> {
-        let [q, p, lost_q, lost_p, force, velocity] = lists;
+        let SplittingLists { q, p, rooms } = lists;
         let (t, h) = (self.t + self.h * stage.node, self.h * (self.stretch * stage.share));
         match stage.act {
             Act::Flow(Half::First) => {
-                self.drift::<S, C>(h, q.as_mut(), p.as_ref(), &memory.dw, velocity.as_mut(), lost_q.as_mut());
+                let SplittingRooms { lost_q, velocity, .. } = &mut **rooms;
+                self.drift::<S, C, EXACT>(h, q, p, &scratch.dw, velocity.as_mut(), lost_q.as_mut());
             }
             Act::Square(gradient) if SQUARES => {
-                let SplittingMemory { directional, dw, .. } = memory;
-                let (q, force, change) = (q.as_ref(), force.as_mut(), velocity.as_mut());
+                let PartScratch { directional, dw, .. } = scratch;
+                let (force, change) = (rooms.force.as_mut(), rooms.velocity.as_mut());
                 directional.fit(q.len(), dw.len());
                 KickInput { flows: self, stage, q, dw }.differentiate(directional, force, change)?;
                 let factor = 2.0 * gradient / Scalar::powi(stage.share, 3);
                 for (force, change) in force.iter_mut().zip(change) {
                     *force = *force + *change * factor;
                 }
-                add::<S, C>(p.as_mut(), force, lost_p.as_mut());
+                add::<S, C>(p, force, rooms.lost_p.as_mut());
             }
             Act::Flow(Half::Second) | Act::Square(_) => {
-                let (q, p, lost_p) = (q.as_ref(), p.as_mut(), lost_p.as_mut());
-                self.kick::<S, C>(ForceTime { t, h }, stage.is_end, q, p, force.as_mut(), lost_p, memory);
+                self.kick::<S, C, EXACT>(ForceTime { t, h }, stage, lists, kept, scratch);
             }
             Act::Relax(_) | Act::RelaxBetween(_) => {
                 return Err(StepFailure::Internal(StepPromise::Bath));
@@ -197,7 +203,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARE
     const IN_PLACE: bool = !F::Shape::IS_FIXED;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn drift<S: ComputesWith<K>, C: StateSum<S>>(
+    fn drift<S: ComputesWith<K>, C: StateSum<S>, const EXACT: bool>(
         &self,
         h: K,
         q: &mut [S],
@@ -212,10 +218,10 @@ impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARE
         if Self::IN_PLACE {
             let flow = self.flow(ForceTime { t, h }, dw);
             if !C::CARRIES {
-                return add_gradient(system, flow, p, Partials::BY_MOMENTA, q, columns);
+                return add_gradient::<F, S, EXACT>(system, flow, p, Partials::BY_MOMENTA, q, columns);
             }
             velocity.fill(nothing());
-            add_gradient(system, flow, p, Partials::BY_MOMENTA, velocity, columns);
+            add_gradient::<F, S, EXACT>(system, flow, p, Partials::BY_MOMENTA, velocity, columns);
             return add::<S, C>(q, velocity, lost);
         }
         let [t, h] = [t, h].map(S::constant);
@@ -226,7 +232,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARE
 
     /// `p ← p + ∂F/∂q`, in loops.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force<S: ComputesWith<K>>(
+    fn add_force<S: ComputesWith<K>, const EXACT: bool>(
         &self,
         origin: ForceTime<K>,
         q: &[S],
@@ -234,7 +240,14 @@ impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARE
         p: &mut [S],
         columns: &mut PairColumns,
     ) {
-        add_gradient(self.system, self.flow(origin, dw), q, Partials::BY_COORDINATES, p, columns);
+        add_gradient::<F, S, EXACT>(
+            self.system,
+            self.flow(origin, dw),
+            q,
+            Partials::BY_COORDINATES,
+            p,
+            columns,
+        );
     }
 
     /// For elements, of which all lanes have the same constants.
@@ -244,38 +257,38 @@ impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARE
         Flow { t, h, parameters: S::varied(F::Parameters::varied(self.parameters)), dw }
     }
 
-    #[expect(clippy::too_many_arguments, reason = "lists of a step, which lie beside each other")]
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn kick<S: ComputesWith<K>, C: StateSum<S>>(
+    fn kick<S: ComputesWith<K>, C: StateSum<S>, const EXACT: bool>(
         &self,
         origin: ForceTime<K>,
-        is_end: bool,
-        q: &[S],
-        p: &mut [S],
-        force: &mut [S],
-        lost: &mut [S],
-        memory: &mut SplittingMemory<S, F::Shape>,
+        stage: &Stage<Act>,
+        SplittingLists { q, p, rooms }: &mut SplittingLists<'_, S, F::Shape>,
+        kept: &mut KeptForce<S, F::Shape>,
+        PartScratch { dw, columns, .. }: &mut PartScratch<S>,
     ) {
         let &Self { system, parameters, .. } = self;
         let ForceTime { t, h } = origin;
-        if Self::IN_PLACE && !C::CARRIES && !is_end {
-            return self.add_force(origin, q, &memory.dw, p, &mut memory.columns);
+        if Self::IN_PLACE && !C::CARRIES && !stage.is_end {
+            return self.add_force::<S, EXACT>(origin, q, dw, p, columns);
         }
-        let is_kept = is_end && memory.dw.is_empty();
-        if is_kept && memory.has_force(origin, F::FORCE_READS_TIME, q) {
-            return add::<S, C>(p, memory.kept_force.as_ref(), lost);
+        let SplittingRooms { force, lost_p, .. } = &mut **rooms;
+        let reuse = if dw.is_empty() { stage.reuse } else { ForceReuse::None };
+        if reuse == ForceReuse::FromStepBefore
+            && let Some(force) = kept.for_kick(origin, F::FORCE_READS_TIME)
+        {
+            return add::<S, C>(p, force, lost_p.as_mut());
         }
         if Self::IN_PLACE {
-            force.fill(nothing());
-            self.add_force(origin, q, &memory.dw, force, &mut memory.columns);
+            force.as_mut().fill(nothing());
+            self.add_force::<S, EXACT>(origin, q, dw, force.as_mut(), columns);
         } else {
-            let ([t, h], SplittingMemory { dw, columns, .. }) = ([t, h].map(S::constant), &mut *memory);
-            let (at, into) = (([t, h], [q, &*p], &dw[..]), [&mut *force, &mut []]);
+            let [t, h] = [t, h].map(S::constant);
+            let (at, into) = (([t, h], [&**q, &**p], &dw[..]), [force.as_mut(), &mut []]);
             system.step_gradient::<K, S, true, false>(parameters, at, into, columns);
         }
-        add::<S, C>(p, force, lost);
-        if is_kept {
-            memory.keep_force(origin, q, force);
+        add::<S, C>(p, force.as_ref(), lost_p.as_mut());
+        if reuse == ForceReuse::ForNextStep {
+            kept.keep(origin, force);
         }
     }
 }

@@ -14,7 +14,10 @@ use std::sync::Arc;
 use super::Composes;
 use super::lagrangian::{self, SequenceEnd};
 use super::linear::LinearFlow;
-use super::stages::{SplittingLists, SplittingMemory, Stage, StageList, StepParts, add, follow, take_parts};
+use super::stages::{
+    KeptForce, PartScratch, SplittingLists, SplittingMemory, SplittingRooms, Stage, StageList, StepParts,
+    add, follow, take_parts,
+};
 use super::substeps::{Half, Substep, Substeps, plan};
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
@@ -221,14 +224,17 @@ struct TwoPartFlows<'a, F, S: Scalar> {
 
 impl<F: Elements, K: Constant, S: ComputesWith<K>> StepParts<S, F::Shape, Act<K>> for TwoPartFlows<'_, F, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take_part<C: StateSum<S>>(
+    fn take_part<C: StateSum<S>, const EXACT: bool>(
         &mut self,
         stage: &Stage<Act<K>>,
-        SplittingLists(lists): &mut SplittingLists<S, F::Shape>,
-        SplittingMemory { columns, .. }: &mut SplittingMemory<S, F::Shape>,
+        SplittingLists { q, p, rooms }: &mut SplittingLists<'_, S, F::Shape>,
+        _: &mut KeptForce<S, F::Shape>,
+        PartScratch { columns, .. }: &mut PartScratch<S>,
     ) -> Result<(), StepFailure> {
         let &mut Self { system, parameters, t, h } = self;
-        let [q, p, lost_q, lost_p, force, velocity] = lists.each_mut().map(AsMut::as_mut);
+        let (q, p) = (&mut **q, &mut **p);
+        let SplittingRooms { lost_q, lost_p, force, velocity } = &mut **rooms;
+        let [lost_q, lost_p, force, velocity] = [lost_q, lost_p, force, velocity].map(AsMut::as_mut);
         let (t, h) = (h * stage.node + t, h * stage.weight);
         match &stage.act {
             Act::Kick(half) => {

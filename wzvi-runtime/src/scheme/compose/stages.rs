@@ -4,6 +4,7 @@ use super::gradient::Directional;
 use super::lagrangian::SequenceEnd;
 use super::substeps::{Half, Substep};
 use super::tiled;
+use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::memory::{MemoryRequest, StepMemory};
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::shape::Shape;
@@ -31,6 +32,19 @@ pub(crate) struct Stage<A = Half> {
     pub(crate) node: f64,
     /// Whether it is a kick that a step begins or ends with.
     pub(crate) is_end: bool,
+    /// The force of a kick, if the next step begins with the last force of this one.
+    pub(crate) reuse: ForceReuse,
+}
+
+/// The force of a kick in words that begin and end with a kick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ForceReuse {
+    /// It is evaluated, and used once.
+    None,
+    /// It may be the last one of the step before.
+    FromStepBefore,
+    /// It may be the first one of the next step.
+    ForNextStep,
 }
 
 /// The action of a stage.
@@ -60,7 +74,7 @@ impl Act {
 impl Stage {
     pub(crate) const fn new(half: Half, weight: f64, node: f64) -> Self {
         let share = if matches!(half, Half::First) { weight } else { -weight };
-        Self { act: half, weight, share, node, is_end: false }
+        Self { act: half, weight, share, node, is_end: false, reuse: ForceReuse::None }
     }
 }
 
@@ -68,8 +82,8 @@ impl<A> Stage<A> {
     /// This stage with another action.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) const fn with<B>(&self, act: B) -> Stage<B> {
-        let Self { weight, share, node, is_end, .. } = *self;
-        Stage { act, weight, share, node, is_end }
+        let Self { weight, share, node, is_end, reuse, .. } = *self;
+        Stage { act, weight, share, node, is_end, reuse }
     }
 }
 
@@ -104,11 +118,19 @@ impl StageList {
 }
 
 impl StageList<Act> {
-    /// Marks the first and the last flow if they are kicks.
+    /// Marks the first and the last flow if they are kicks; O parts before the first and after the last one
+    /// change momenta alone.
     pub(crate) fn with_ends(mut self) -> Self {
         let mut flows = self.0.iter_mut().filter(|stage| stage.act.half().is_some());
-        for end in [flows.next(), flows.next_back()].into_iter().flatten() {
+        let mut ends = [flows.next(), flows.next_back()];
+        for end in ends.iter_mut().flatten() {
             end.is_end = end.act.half() == Some(Half::Second);
+        }
+        if let [Some(first), Some(last)] = ends
+            && first.is_end
+            && last.is_end
+        {
+            (first.reuse, last.reuse) = (ForceReuse::FromStepBefore, ForceReuse::ForNextStep);
         }
         self
     }
@@ -120,20 +142,40 @@ type DegreeList<S, H> = <H as Shape>::List<S>;
 /// The last force and where it acted, and scratch for a step.
 #[derive(Debug)]
 pub struct SplittingMemory<S: Scalar, H: Shape> {
-    kept: Option<ForceTime>,
-    /// `kept` with the derivatives that numbers carry.
-    kept_at: [S; 2],
-    /// The coordinates at which the force was evaluated; `kept_force` is the increment of the momenta.
-    kept_q: DegreeList<S, H>,
-    pub(crate) kept_force: DegreeList<S, H>,
-    rooms: SplittingLists<S, H>,
-    /// The noise increments of a part.
+    kept: KeptForce<S, H>,
+    /// The first momenta of a step of vectors.
+    first_p: DegreeList<S, H>,
+    rooms: SplittingRooms<S, H>,
+    pub(super) scratch: PartScratch<S>,
+    /// For large systems of elements.
+    pub(crate) tiles: tiled::TiledMemory,
+    /// The instructions for loops over all degrees of freedom.
+    instructions: InstructionSet,
+}
+
+/// The last force of a step, with which the next one may begin.
+#[derive(Debug)]
+pub(crate) struct KeptForce<S: Scalar, H: Shape> {
+    /// Its time and step size.
+    origin: Option<ForceTime>,
+    /// The same with the derivatives that numbers carry.
+    carried: [S; 2],
+    /// `origin` in a step that begins at the coordinates where the force acted.
+    usable: Option<ForceTime>,
+    /// The coordinates at which it acted. During a step of vectors, the first coordinates.
+    q: DegreeList<S, H>,
+    /// The increment of the momenta.
+    force: DegreeList<S, H>,
+}
+
+/// Scratch for a part of a step.
+#[derive(Debug)]
+pub(crate) struct PartScratch<S: Scalar> {
+    /// The noise increments of the part.
     pub(crate) dw: Vec<S>,
     pub(super) columns: PairColumns,
     /// For derivatives of derivatives; empty unless a table asks for them.
     pub(super) directional: Directional<S>,
-    /// For large systems of elements.
-    pub(crate) tiles: tiled::TiledMemory,
 }
 
 /// Time and weighted step size of a force.
@@ -155,15 +197,31 @@ const fn carry_derivatives<S: Scalar>() -> bool {
     !S::LANES_ARE_PATHS && size_of::<S>() != size_of::<f64>()
 }
 
-/// The lists of a step: coordinates, momenta, their rounding errors, and the increments of momenta and of
-/// coordinates.
+/// The lists of a step.
 #[derive(Debug)]
-pub(crate) struct SplittingLists<S: Scalar, H: Shape>(pub(crate) [DegreeList<S, H>; 6]);
+pub(crate) struct SplittingLists<'a, S: Scalar, H: Shape> {
+    pub(crate) q: &'a mut [S],
+    pub(crate) p: &'a mut [S],
+    pub(crate) rooms: &'a mut SplittingRooms<S, H>,
+}
 
-impl<S: Scalar, H: Shape> SplittingLists<S, H> {
+/// The lists of a step other than the state.
+#[derive(Debug)]
+pub(crate) struct SplittingRooms<S: Scalar, H: Shape> {
+    /// What rounding took from the coordinates and from the momenta.
+    pub(crate) lost_q: DegreeList<S, H>,
+    pub(crate) lost_p: DegreeList<S, H>,
+    /// The increments of the momenta.
+    pub(crate) force: DegreeList<S, H>,
+    /// The increments of the coordinates.
+    pub(crate) velocity: DegreeList<S, H>,
+}
+
+impl<S: Scalar, H: Shape> SplittingRooms<S, H> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn of_length(length: usize) -> Self {
-        Self(std::array::from_fn(|_| H::list(length, S::from_f64(0.0))))
+        let list = || H::list(length, S::from_f64(0.0));
+        Self { lost_q: list(), lost_p: list(), force: list(), velocity: list() }
     }
 }
 
@@ -185,7 +243,7 @@ impl<S: Scalar, H: Shape> Clone for SplittingMemory<S, H> {
 impl<S: Scalar, H: Shape> Numbers for SplittingMemory<S, H> {
     fn pass(&mut self, tape: &mut Tape) {
         if tape.is_reading() {
-            self.kept = None;
+            self.kept.origin = None;
         }
     }
 }
@@ -193,7 +251,7 @@ impl<S: Scalar, H: Shape> Numbers for SplittingMemory<S, H> {
 impl<S: Scalar, H: Shape> StepMemory for SplittingMemory<S, H> {
     fn tell(&mut self, request: &MemoryRequest) {
         match request {
-            MemoryRequest::Forget => self.kept = None,
+            MemoryRequest::Forget => self.kept.origin = None,
             MemoryRequest::Share(threads) => self.tiles.share(*threads),
             _ => {}
         }
@@ -205,16 +263,18 @@ impl<S: Scalar, H: Shape> StepMemory for SplittingMemory<S, H> {
 impl<S: Scalar, H: Shape> SplittingMemory<S, H> {
     pub(crate) fn of_length(length: usize) -> Self {
         let list = || H::list(length, S::from_f64(0.0));
+        let carried = [S::from_f64(0.0); 2];
         Self {
-            kept: None,
-            kept_at: [S::from_f64(0.0); 2],
-            kept_q: list(),
-            kept_force: list(),
-            rooms: SplittingLists::of_length(length),
-            dw: Vec::new(),
-            columns: PairColumns::default(),
-            directional: Directional::default(),
+            kept: KeptForce { origin: None, carried, usable: None, q: list(), force: list() },
+            first_p: list(),
+            rooms: SplittingRooms::of_length(length),
+            scratch: PartScratch {
+                dw: Vec::new(),
+                columns: PairColumns::default(),
+                directional: Directional::default(),
+            },
             tiles: tiled::TiledMemory::default(),
+            instructions: InstructionSet::best().for_loop(length),
         }
     }
 
@@ -224,50 +284,12 @@ impl<S: Scalar, H: Shape> SplittingMemory<S, H> {
         if self.length() != length {
             *self = Self { tiles: self.tiles.alike(), ..Self::of_length(length) };
         }
-        self.dw.resize(noises, S::from_f64(0.0));
+        self.scratch.dw.resize(noises, S::from_f64(0.0));
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn length(&self) -> usize {
-        self.kept_q.as_ref().len()
-    }
-
-    /// Whether the kept force is that of this kick.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn has_force<K: Constant>(&self, origin: ForceTime<K>, reads_time: bool, q: &[S]) -> bool
-    where
-        S: ComputesWith<K>,
-    {
-        let Some(kept) = self.kept else { return false };
-        let (t, h) = (origin.t.lane(0), origin.h.lane(0));
-        if kept.h.to_bits() != h.to_bits() || (reads_time && kept.t.to_bits() != t.to_bits()) {
-            return false;
-        }
-        if const { carry_derivatives::<S>() } {
-            let [kept, now] = [self.kept_at, origin.list()];
-            if !kept[1].is_identical(now[1]) || (reads_time && !kept[0].is_identical(now[0])) {
-                return false;
-            }
-        }
-        let mut is_same = true;
-        for (&a, &b) in self.kept_q.as_ref().iter().zip(q) {
-            is_same &= a.is_identical(b);
-        }
-        is_same
-    }
-
-    /// Keeps a force for the next step.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn keep_force<K: Constant>(&mut self, origin: ForceTime<K>, q: &[S], force: &[S])
-    where
-        S: ComputesWith<K>,
-    {
-        self.kept = Some(ForceTime { t: origin.t.lane(0), h: origin.h.lane(0) });
-        if const { carry_derivatives::<S>() } {
-            self.kept_at = origin.list();
-        }
-        self.kept_q.as_mut().copy_from_slice(q);
-        self.kept_force.as_mut().copy_from_slice(force);
+        self.first_p.as_ref().len()
     }
 
     /// The memory of a new stepper, allocated at once if the system knows its size.
@@ -280,21 +302,79 @@ impl<S: Scalar, H: Shape> SplittingMemory<S, H> {
     }
 }
 
+impl<S: Scalar, H: Shape> KeptForce<S, H> {
+    /// Begins a step; returns whether the force acted at its coordinates.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn begin(&mut self, q: &[S]) -> bool {
+        self.usable = self.origin.take();
+        let mut is_here = self.usable.is_some();
+        if is_here {
+            for (&a, &b) in self.q.as_ref().iter().zip(q) {
+                is_here &= a.is_identical(b);
+            }
+        }
+        if !is_here {
+            self.usable = None;
+        }
+        is_here
+    }
+
+    /// The force, if it is that of a kick at the beginning of this step.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn for_kick<K: Constant>(&self, origin: ForceTime<K>, reads_time: bool) -> Option<&[S]>
+    where
+        S: ComputesWith<K>,
+    {
+        let kept = self.usable?;
+        let (t, h) = (origin.t.lane(0), origin.h.lane(0));
+        if kept.h.to_bits() != h.to_bits() || (reads_time && kept.t.to_bits() != t.to_bits()) {
+            return None;
+        }
+        if const { carry_derivatives::<S>() } {
+            let [kept, now] = [self.carried, origin.list()];
+            if !kept[1].is_identical(now[1]) || (reads_time && !kept[0].is_identical(now[0])) {
+                return None;
+            }
+        }
+        Some(self.force.as_ref())
+    }
+
+    /// Keeps a force for the next step, where it acts at the coordinates with which this step ends.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn keep<K: Constant>(&mut self, origin: ForceTime<K>, force: &mut DegreeList<S, H>)
+    where
+        S: ComputesWith<K>,
+    {
+        self.origin = Some(ForceTime { t: origin.t.lane(0), h: origin.h.lane(0) });
+        if const { carry_derivatives::<S>() } {
+            self.carried = origin.list();
+        }
+        H::keep(&mut self.force, force);
+    }
+}
+
 /// The flows of the parts of a step, and the O parts if there are any.
 ///
 /// Not a closure: one that is called in several places is compiled without the vector instructions of its
 /// callers.
 pub(crate) trait StepParts<S: Scalar, H: Shape, A> {
+    /// Whether parts that are not `EXACT` may be NaN where the step exists.
+    const IS_PARTIAL: bool = false;
+
+    /// Prepares for the first part of a step that is taken again.
+    fn begin_again(&mut self) {}
+
     /// Moves the state in the lists by a part of a step, with the noise increments of that part in the
-    /// memory.
+    /// scratch.
     ///
     /// # Errors
     /// [`StepFailure::Bath`] where friction is negative.
-    fn take_part<C: StateSum<S>>(
+    fn take_part<C: StateSum<S>, const EXACT: bool>(
         &mut self,
         stage: &Stage<A>,
-        lists: &mut SplittingLists<S, H>,
-        memory: &mut SplittingMemory<S, H>,
+        lists: &mut SplittingLists<'_, S, H>,
+        kept: &mut KeptForce<S, H>,
+        scratch: &mut PartScratch<S>,
     ) -> Result<(), StepFailure>;
 }
 
@@ -313,43 +393,116 @@ pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, A>(
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.len();
-    let is_ready = memory.length() == degrees && memory.dw.len() == dw.len();
+    let is_ready = memory.length() == degrees && memory.scratch.dw.len() == dw.len();
     check_lengths(system, is_ready, [degrees, p.len(), dw.len()])?;
     if !is_ready {
         memory.fit(degrees, dw.len());
     }
-    let mut rooms = H::lend(&mut memory.rooms, SplittingLists::of_length(0));
-    let [next_q, next_p, lost_q, lost_p, ..] = &mut rooms.0;
-    next_q.as_mut().copy_from_slice(q);
-    next_p.as_mut().copy_from_slice(p);
-    if C::CARRIES {
-        let lost = lost_q.as_mut().iter_mut().zip(lost_p.as_mut());
-        for (i, (lost_q, lost_p)) in lost.enumerate() {
-            (*lost_q, *lost_p) = (carry.of_coordinate(i), carry.of_momentum(i));
-        }
+    let instructions = memory.instructions;
+    let mut step = PartsInTurn { flows, stages, q, p, dw, memory, carry };
+    // Numbers side by side are in such a loop already, and arrays stay in registers.
+    if const { H::IS_FIXED || !S::MAY_BE_F64 } || S::as_f64s(step.q).is_none() {
+        return step.take::<true>();
     }
-    let mut taken_all = Ok(());
-    for stage in stages {
-        for (scaled, dw) in memory.dw.iter_mut().zip(dw) {
-            *scaled = *dw * stage.share;
-        }
-        taken_all = flows.take_part::<C>(stage, &mut rooms, memory);
-        if taken_all.is_err() {
-            break;
-        }
+    instructions.run(InInstructions(&mut step)).or_else(|failure| step.take_exactly(failure))
+}
+
+/// The parts of a step, and what they read and change.
+struct PartsInTurn<'a, S: Scalar, C, H: Shape, A, P> {
+    flows: &'a mut P,
+    stages: &'a [Stage<A>],
+    q: &'a mut [S],
+    p: &'a mut [S],
+    dw: &'a [S],
+    memory: &'a mut SplittingMemory<S, H>,
+    carry: &'a mut C,
+}
+
+/// The step in the vector instructions of the machine, and in numbers that vectorised functions cover.
+struct InInstructions<'s, 'a, S: Scalar, C, H: Shape, A, P>(&'s mut PartsInTurn<'a, S, C, H, A, P>);
+
+impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> Kernel
+    for InInstructions<'_, '_, S, C, H, A, P>
+{
+    type Output = Result<Effort, StepFailure>;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
+        self.0.take::<false>()
     }
-    let [next_q, next_p, lost_q, lost_p, ..] = &rooms.0;
-    let is_good = taken_all.is_ok() && are_finite(next_q.as_ref()) && are_finite(next_p.as_ref());
-    if is_good {
-        q.copy_from_slice(next_q.as_ref());
-        p.copy_from_slice(next_p.as_ref());
+}
+
+impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> PartsInTurn<'_, S, C, H, A, P> {
+    /// The step in exact numbers, if `failure` may be of numbers that vectorised functions do not cover.
+    #[cold]
+    #[inline(never)]
+    fn take_exactly(&mut self, failure: StepFailure) -> Result<Effort, StepFailure> {
+        if const { !P::IS_PARTIAL } || failure != StepFailure::NonFinite {
+            return Err(failure);
+        }
+        self.flows.begin_again();
+        self.take::<true>()
+    }
+
+    /// Vectors are changed in place, with a copy that undoes a step that fails; arrays are copied first, and
+    /// stay in registers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<const EXACT: bool>(&mut self) -> Result<Effort, StepFailure> {
+        let Self { flows, stages, q, p, dw, memory, carry } = self;
+        let SplittingMemory { kept, first_p, rooms, scratch, .. } = &mut **memory;
+        let is_at_kept = kept.begin(q);
+        let (mut arrays, mut array_rooms) =
+            ([0, 1].map(|_| H::list(0, S::from_f64(0.0))), SplittingRooms::of_length(0));
+        let [own_q, own_p] = arrays.each_mut().map(AsMut::as_mut);
+        let mut lists = if H::IS_FIXED {
+            own_q.copy_from_slice(q);
+            own_p.copy_from_slice(p);
+            SplittingLists { q: own_q, p: own_p, rooms: &mut array_rooms }
+        } else {
+            if !is_at_kept {
+                kept.q.as_mut().copy_from_slice(q);
+            }
+            first_p.as_mut().copy_from_slice(p);
+            SplittingLists { q: &mut **q, p: &mut **p, rooms }
+        };
         if C::CARRIES {
-            carry.keep(lost_q.as_ref(), lost_p.as_ref());
+            let SplittingRooms { lost_q, lost_p, .. } = &mut *lists.rooms;
+            let lost = lost_q.as_mut().iter_mut().zip(lost_p.as_mut());
+            for (i, (lost_q, lost_p)) in lost.enumerate() {
+                (*lost_q, *lost_p) = (carry.of_coordinate(i), carry.of_momentum(i));
+            }
         }
+        let mut taken_all = Ok(());
+        for stage in *stages {
+            for (scaled, dw) in scratch.dw.iter_mut().zip(*dw) {
+                *scaled = *dw * stage.share;
+            }
+            taken_all = flows.take_part::<C, EXACT>(stage, &mut lists, kept, scratch);
+            if taken_all.is_err() {
+                break;
+            }
+        }
+        if taken_all.is_ok() && are_finite(lists.q) && are_finite(lists.p) {
+            if C::CARRIES {
+                carry.keep(lists.rooms.lost_q.as_ref(), lists.rooms.lost_p.as_ref());
+            }
+            if H::IS_FIXED {
+                let [own_q, own_p] = arrays.each_ref().map(AsRef::as_ref);
+                q.copy_from_slice(own_q);
+                p.copy_from_slice(own_p);
+            }
+            if kept.origin.is_some() {
+                kept.q.as_mut().copy_from_slice(q);
+            }
+            return Ok(Effort::fast(0));
+        }
+        kept.origin = None;
+        if !H::IS_FIXED {
+            q.copy_from_slice(kept.q.as_ref());
+            p.copy_from_slice(first_p.as_ref());
+        }
+        Err(taken_all.err().unwrap_or(StepFailure::NonFinite))
     }
-    H::give_back(&mut memory.rooms, rooms);
-    taken_all?;
-    if is_good { Ok(Effort::fast(0)) } else { Err(StepFailure::NonFinite) }
 }
 
 /// The state to which the parts lead from the start of a segment, and the sum of their discrete Lagrangians.
@@ -362,21 +515,21 @@ pub(crate) fn follow<V: Vector, H: Shape, A>(
     action_of: impl Fn(&Stage<A>, [&[f64]; 2], [&[f64]; 2]) -> f64,
 ) -> Option<SequenceEnd<V>> {
     let (q0, p0) = (segment.q0.components(), segment.p.components());
-    let mut rooms = SplittingLists::<f64, H>::of_length(q0.len());
-    let mut memory = SplittingMemory::of_length(q0.len());
-    let state = |rooms: &SplittingLists<f64, H>| [0, 1].map(|half| rooms.0[half].as_ref().to_vec());
-    rooms.0[0].as_mut().copy_from_slice(q0);
-    rooms.0[1].as_mut().copy_from_slice(p0);
+    let (mut q, mut p) = (q0.to_vec(), p0.to_vec());
+    let SplittingMemory { mut kept, mut rooms, mut scratch, .. } =
+        SplittingMemory::<f64, H>::of_length(q0.len());
+    let mut lists = SplittingLists { q: &mut q, p: &mut p, rooms: &mut rooms };
+    let state = |lists: &SplittingLists<'_, f64, H>| [lists.q.to_vec(), lists.p.to_vec()];
     let mut action = 0.0;
     for stage in stages {
-        memory.dw = dw.iter().map(|dw| stage.share * dw).collect();
-        let before = state(&rooms);
-        flows.take_part::<PlainSum>(stage, &mut rooms, &mut memory).ok()?;
-        let after = state(&rooms);
+        scratch.dw = dw.iter().map(|dw| stage.share * dw).collect();
+        let before = state(&lists);
+        flows.take_part::<PlainSum, true>(stage, &mut lists, &mut kept, &mut scratch).ok()?;
+        let after = state(&lists);
         action +=
             action_of(stage, before.each_ref().map(|list| &list[..]), after.each_ref().map(|list| &list[..]));
     }
-    let [q, p] = state(&rooms).map(|list| {
+    let [q, p] = state(&lists).map(|list| {
         let mut vector = V::zeros(list.len());
         vector.components_mut().copy_from_slice(&list);
         vector

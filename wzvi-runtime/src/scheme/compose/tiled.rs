@@ -9,14 +9,13 @@ use crate::algebra::scalar::Number;
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::bath::OPartsByPlace;
 use crate::scheme::elements::{
-    ElementInput, Elements, Flow, ForceArguments, KickForm, LEAST_IN_TILES, Move, NewState, Partials, Sums,
+    ElementInput, Elements, Flow, ForceArguments, KickForm, MOST_IN_ONE, Move, NewState, Partials, Sums,
     TilePlan, Word, add_flow,
 };
 use crate::scheme::gauss::Field;
 use crate::scheme::system::check_lengths;
 
-/// Degrees of freedom from which paths of an ensemble are stepped one after the other, tile by tile. A
-/// step in tiles has an overhead of some 150 ns, and 16 paths in lanes exceed the first-level cache (each
+/// Degrees of freedom from which paths of an ensemble are stepped one after the other: 16 paths in lanes exceed the first-level cache (each
 /// of some ten lists has 128 bytes for a degree of freedom). Measured for chains of 96 to 16 384 sites, both
 /// take the same time at 128 (`Baoab`) and 256 (`Verlet`).
 const LEAST_SCALAR: usize = 256;
@@ -29,7 +28,7 @@ pub(crate) const fn least_scalar<F: Field>() -> usize {
 /// Whether steps of a system of this size go tile by tile.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn takes_tiles<F: Field>(degrees: usize) -> bool {
-    F::FACTS.has_tiles && degrees >= LEAST_IN_TILES
+    F::FACTS.has_tiles && degrees > MOST_IN_ONE
 }
 
 /// Tiles, and the increments of each part of a step.

@@ -219,20 +219,21 @@ pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
 /// Whether every part of every number is finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
+    // Loops: in `fold` the closure would be compiled without the instructions of the lanes.
     if has_parts::<S>() {
-        // A loop: in `fold` the closure would be compiled without the instructions of the lanes.
         let mut zero = S::from_f64(0.0);
         for &number in numbers {
             zero = zero + number * 0.0;
         }
         return zero.is_finite().all();
     }
-    let mut zeros = [S::from_f64(0.0); LANES];
-    let (chunks, rest) = numbers.as_chunks::<LANES>();
-    for chunk in chunks {
-        zeros = std::array::from_fn(|lane| zeros[lane] + chunk[lane] * 0.0);
+    // Integers may be combined in any order, sums of numbers not. One more in the exponent sets the sign of
+    // what is not finite, and of nothing else.
+    let mut overflow = 0;
+    for &number in numbers {
+        overflow |= number.magnitude().to_bits() + (1 << (f64::MANTISSA_DIGITS - 1));
     }
-    are_zero(zeros, rest)
+    overflow >> 63 == 0
 }
 
 /// Whether the sums of products with zero are zero and the rest is finite: infinity or NaN times zero is NaN.
