@@ -119,21 +119,21 @@ fn exponentials() {
         Scalar::exp,
         Real::exp,
         &[Uniform(-750.0, 712.0), Uniform(-1.0, 1.0), Sizes(-1074.0, 9.0, true)],
-        1.0,
+        0.8,
     );
     measure(
         "exp2",
         Scalar::exp2,
         |x| Real::from(2.0).pow(x),
         &[Uniform(-1080.0, 1025.0), Uniform(-1.0, 1.0), Sizes(-60.0, 10.0, true)],
-        1.0,
+        0.8,
     );
     measure(
         "exp_m1",
         Scalar::exp_m1,
         |x| x.exp() - 1.0,
         &[Uniform(-40.0, 712.0), Uniform(-40.0, 1.0), Uniform(-1.0, 1.0), Sizes(-90.0, 6.0, true)],
-        1.0,
+        0.8,
     );
 }
 

@@ -8,7 +8,7 @@
 //! subnormal, infinite, NaN, out of the domain) take the functions of the crate `libm`, one number at a time,
 //! which are as portable. So every result is a function of its argument alone.
 //!
-//! The formulas and polynomials are those of fdlibm:
+//! The formulas and polynomials are those of fdlibm, but for the exponentials and the order of sums:
 //!
 //! > Copyright (C) 1993, 2004 by Sun Microsystems, Inc. All rights reserved. Permission to use, copy, modify,
 //! > and distribute this software is freely granted, provided that this notice is preserved.
@@ -127,13 +127,7 @@ fn nearest(x: f64) -> (f64, u64) {
     (shifted - ROUNDER, shifted.to_bits())
 }
 
-/// `2^k` for the bits of [`nearest`] and `-1022 <= k <= 1023`.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn power_of_two(bits: u64) -> f64 {
-    f64::from_bits(bits.wrapping_add(1023) << 52)
-}
-
-/// `2^-k`, as [`power_of_two`].
+/// `2^-k` for the bits of [`nearest`] and `-1023 <= k <= 1022`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn inverse_power_of_two(bits: u64) -> f64 {
     f64::from_bits(1023_u64.wrapping_sub(bits) << 52)

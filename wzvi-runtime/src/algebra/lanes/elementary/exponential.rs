@@ -1,38 +1,78 @@
 //! `e^x`, `2^x` and `e^x - 1`.
 
-use super::{LN2_HIGH, LN2_LOW, functions, high, inverse_power_of_two, nearest, power_of_two, select};
+use super::{LN2_HIGH, LN2_LOW, functions, high, inverse_power_of_two, nearest, select};
 
 functions! {
     /// `e^x`
     Exp(x): exp(x), where x.abs() <= 708.0, else libm::exp;
     /// `2^x`
-    Exp2(x): exp2_sum(x, 0.0), where x.abs() <= 1021.0, else libm::exp2;
+    Exp2(x): exp2_sum(x, -0.0), where x.abs() <= 1021.0, else libm::exp2;
     /// `e^x - 1`
     ExpM1(x): exp_m1(x), where x.abs() <= 36.0 || (0.0..708.0).contains(&x), else libm::expm1;
 }
 
-/// `r - r² (P_0 + P_1 r² + ...)`, which is `c` in `e^r = 1 + r + r c/(2 - c)` for `|r| <= ln 2 / 2`.
+/// `e^r - 1 - r` for `|r| <= ln 2 / 2`, within 5 % of a rounding of `e^r`: the polynomial of
+/// `(e^r - 1 - r)/r²` with the smallest largest error, its first coefficient kept at 1/2.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn remainder(r: f64) -> f64 {
-    const P: [f64; 5] = [
-        1.666_666_666_666_660_2e-1,
-        -2.777_777_777_701_559_3e-3,
-        6.613_756_321_437_934e-5,
-        -1.653_390_220_546_525_2e-6,
-        4.138_136_797_057_238_5e-8,
+    const P: [f64; 10] = [
+        0.5,
+        1.666_666_666_666_643_3e-1,
+        4.166_666_666_660_394_4e-2,
+        8.333_333_333_500_06e-3,
+        1.388_888_892_680_296e-3,
+        1.984_126_946_618_649_7e-4,
+        2.480_150_867_326_248e-5,
+        2.755_764_087_723_435_4e-6,
+        2.762_519_087_662_588e-7,
+        2.497_838_276_605_662e-8,
     ];
     let z = r * r;
-    r - z * (P[0] + z * (P[1] + z * (P[2] + z * (P[3] + z * P[4]))))
+    z * sum_in_pairs(P, r, z)
 }
 
-/// `e^x` for `|x| <= 708`, from `x = k ln 2 + r`.
+/// `(e^r - 1 - r - r²/2)/r³` for `|r| <= ln 2 / 2`, with one more coefficient: where `e^x - 1` is small,
+/// [`remainder`] is too far off.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn cubic_remainder(r: f64, z: f64) -> f64 {
+    const P: [f64; 10] = [
+        1.666_666_666_666_667_7e-1,
+        4.166_666_666_666_653e-2,
+        8.333_333_333_322_033e-3,
+        1.388_888_888_897_341_4e-3,
+        1.984_126_988_537_083_5e-4,
+        2.480_158_712_625_267_4e-5,
+        2.755_724_478_818_082e-6,
+        2.755_745_538_310_841_3e-7,
+        2.510_888_051_716_209_2e-8,
+        2.085_620_477_459_099_4e-9,
+    ];
+    sum_in_pairs(P, r, z)
+}
+
+/// The polynomial of degree nine at r, where `z = r²`: in pairs, so that few operations wait for one another.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn sum_in_pairs(p: [f64; 10], r: f64, z: f64) -> f64 {
+    let w = z * z;
+    let low = (p[0] + r * p[1]) + z * (p[2] + r * p[3]);
+    let middle = (p[4] + r * p[5]) + z * (p[6] + r * p[7]);
+    low + w * (middle + w * (p[8] + r * p[9]))
+}
+
+/// `2^k y` for the bits of [`nearest`], where neither y nor the product is zero, subnormal or infinite.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn scaled(y: f64, bits: u64) -> f64 {
+    f64::from_bits(y.to_bits().wrapping_add(bits << 52))
+}
+
+/// `e^x` for `|x| <= 708`, from `x = k ln 2 + r`: `2^k (1 + r + remainder)`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn exp(x: f64) -> f64 {
     let (k, bits) = nearest(x * std::f64::consts::LOG2_E);
     let (upper, lower) = (x - k * LN2_HIGH, k * LN2_LOW);
-    let r = upper - lower;
-    let c = remainder(r);
-    (1.0 + (r * c / (2.0 - c) - lower + upper)) * power_of_two(bits)
+    let sum = 1.0 + upper;
+    let lost = upper - (sum - 1.0);
+    scaled(sum + ((lost - lower) + remainder(upper - lower)), bits)
 }
 
 /// `2^(x + tail)` for `|x| <= 1021` and a small tail.
@@ -44,42 +84,30 @@ pub(super) fn exp2_sum(x: f64, tail: f64) -> f64 {
     const LN2_LOWER: f64 = -1.904_654_299_957_768e-9;
     let (k, bits) = nearest(x);
     let fraction = x - k;
-    let t = high(tail + fraction);
-    let (u, v) = (t * LN2_UPPER, (tail - (t - fraction)) * LN2 + t * LN2_LOWER);
-    let r = u + v;
-    let lost = v - (r - u);
-    let c = remainder(r);
-    let y = 1.0 - (((r * c) / (c - 2.0) - (lost + r * lost)) - r);
-    y * power_of_two(bits)
+    let t = high(fraction);
+    // The first product is exact.
+    let (upper, lower) = (t * LN2_UPPER, ((fraction - t) + tail) * LN2 + t * LN2_LOWER);
+    let sum = 1.0 + upper;
+    let lost = upper - (sum - 1.0);
+    scaled(sum + ((lost + lower) + remainder((fraction + tail) * LN2)), bits)
 }
 
-/// `e^x - 1` for `-36 <= x <= 708`: with `x = k ln 2 + r`, `2^k (e^r - 1) + (2^k - 1)`.
+/// `e^x - 1` for `-36 <= x <= 708`: with `x = k ln 2 + r`, `2^k ((1 - 2^-k) + (e^r - 1))`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn exp_m1(x: f64) -> f64 {
-    const Q: [f64; 5] = [
-        -3.333_333_333_333_313e-2,
-        1.587_301_587_254_814_6e-3,
-        -7.936_507_578_674_88e-5,
-        4.008_217_827_329_362e-6,
-        -2.010_992_181_836_243_7e-7,
-    ];
     let (k, bits) = nearest(x * std::f64::consts::LOG2_E);
     let (upper, lower) = (x - k * LN2_HIGH, k * LN2_LOW);
     let r = upper - lower;
-    let lost = (upper - r) - lower;
-    let half = 0.5 * r;
-    let z = r * half;
-    let ratio = 1.0 + z * (Q[0] + z * (Q[1] + z * (Q[2] + z * (Q[3] + z * Q[4]))));
-    let t = 3.0 - ratio * half;
-    // e^r - 1 = r - (r e - z) without the rest of the reduction, r - e with it.
-    let e = z * ((ratio - t) / (6.0 - r * t));
-    let near_zero = r - (r * e - z);
-    let e = (r * (e - lost) - lost) - z;
+    let r_lost = (upper - r) - lower;
     let inverse = inverse_power_of_two(bits);
-    // If r and 1/2 cancel, their sum is exact and comes first.
-    let cancels = k == 1.0 && r < -0.25;
-    let moderate = select(cancels, (r + 0.5) - e, (r - e) + (1.0 - inverse));
-    let large = (r - (e + inverse)) + 1.0;
-    let scaled = select(k < 20.0, moderate, large) * power_of_two(bits);
-    select(k == 0.0, near_zero, scaled)
+    // Zero, or larger than r.
+    let whole = 1.0 - inverse;
+    let whole_lost = (1.0 - whole) - inverse;
+    let sum = whole + r;
+    let sum_lost = r - (sum - whole);
+    let lost = (sum_lost + whole_lost) + (r_lost + r * r_lost);
+    let z = r * r;
+    let y = scaled(sum + (0.5 * z + (lost + (r * z) * cubic_remainder(r, z))), bits);
+    // The sign of zero; its exponent cannot be raised either.
+    select(x == 0.0, x, y)
 }

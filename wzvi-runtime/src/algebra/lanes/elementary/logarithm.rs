@@ -19,9 +19,9 @@ pub(super) fn is_normal_and_positive(x: f64) -> bool {
     (f64::MIN_POSITIVE..f64::INFINITY).contains(&x)
 }
 
-/// `f²/2` and `s (f²/2 + R)`
+/// `f²/2` and `s (f²/2 + R)` for f and `2 + f`
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn series(f: f64) -> (f64, f64) {
+fn series(f: f64, sum: f64) -> (f64, f64) {
     const L: [f64; 7] = [
         6.666_666_666_666_735e-1,
         3.999_999_999_940_942e-1,
@@ -31,13 +31,14 @@ fn series(f: f64) -> (f64, f64) {
         1.531_383_769_920_937_3e-1,
         1.479_819_860_511_658_6e-1,
     ];
-    let s = f / (2.0 + f);
+    let s = f / sum;
     let z = s * s;
     let w = z * z;
-    let odd = z * (L[0] + w * (L[2] + w * (L[4] + w * L[6])));
-    let even = w * (L[1] + w * (L[3] + w * L[5]));
+    // In pairs, so that few operations wait for one another.
+    let low = (L[0] + z * L[1]) + w * (L[2] + z * L[3]);
+    let high = (L[4] + z * L[5]) + w * L[6];
     let half = 0.5 * f * f;
-    (half, s * (half + (odd + even)))
+    (half, s * half + (s * z) * (low + (w * w) * high))
 }
 
 /// `ln x` of a positive normal number.
@@ -59,8 +60,8 @@ pub(crate) fn ln_shifted(x: f64, shift: f64) -> f64 {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn of_parts(k: f64, mantissa: f64) -> f64 {
     let f = mantissa - 1.0;
-    let (half, rest) = series(f);
-    k * LN2_HIGH - ((half - (rest + k * LN2_LOW)) - f)
+    let (half, rest) = series(f, 1.0 + mantissa);
+    k * LN2_HIGH - (((half - k * LN2_LOW) - rest) - f)
 }
 
 /// `ln(1 + x)` for `-1 < x < 1e300`.
@@ -75,16 +76,17 @@ pub(super) fn ln_1p(x: f64) -> f64 {
     let k = select(is_near, 0.0, k);
     let lost = select(is_near, 0.0, lost);
     let f = select(is_near, x, mantissa - 1.0);
-    let (half, rest) = series(f);
-    let y = k * LN2_HIGH - ((half - (rest + (k * LN2_LOW + lost))) - f);
+    let (half, rest) = series(f, 2.0 + f);
+    let y = k * LN2_HIGH - (((half - (k * LN2_LOW + lost)) - rest) - f);
     // The sign of zero.
     select(x == 0.0, x, y)
 }
 
-/// `ln(1 + f)` as a sum whose first part has 21 bits.
+/// `ln m` as a sum whose first part has 21 bits.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn split(f: f64) -> (f64, f64) {
-    let (half, rest) = series(f);
+fn split(m: f64) -> (f64, f64) {
+    let f = m - 1.0;
+    let (half, rest) = series(f, 1.0 + m);
     let upper = high(f - half);
     (upper, ((f - upper) - half) + rest)
 }
@@ -95,11 +97,11 @@ pub(super) fn log2(x: f64) -> f64 {
     const HIGH: f64 = 1.442_695_040_721_446_3;
     const LOW: f64 = 1.675_171_316_488_651_2e-10;
     let (k, mantissa) = exponent_and_mantissa(x);
-    let (upper, lower) = split(mantissa - 1.0);
+    let (upper, lower) = split(mantissa);
     let product = upper * HIGH;
-    let tail = (lower + upper) * LOW + lower * HIGH;
     let sum = k + product;
-    (tail + ((k - sum) + product)) + sum
+    let tail = upper * LOW + ((k - sum) + product);
+    (tail + lower * (HIGH + LOW)) + sum
 }
 
 /// `log₁₀ x` of a positive normal number.
@@ -110,9 +112,9 @@ pub(super) fn log10(x: f64) -> f64 {
     const LOG10_2_HIGH: f64 = 3.010_299_956_636_117_7e-1;
     const LOG10_2_LOW: f64 = 3.694_239_077_158_931e-13;
     let (k, mantissa) = exponent_and_mantissa(x);
-    let (upper, lower) = split(mantissa - 1.0);
+    let (upper, lower) = split(mantissa);
     let (product, whole) = (upper * HIGH, k * LOG10_2_HIGH);
-    let tail = (k * LOG10_2_LOW + (lower + upper) * LOW) + lower * HIGH;
     let sum = whole + product;
-    (tail + ((whole - sum) + product)) + sum
+    let tail = (k * LOG10_2_LOW + upper * LOW) + ((whole - sum) + product);
+    (tail + lower * (HIGH + LOW)) + sum
 }

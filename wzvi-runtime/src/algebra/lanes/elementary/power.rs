@@ -20,23 +20,28 @@ fn is_moderate(x: f64, y: f64) -> bool {
     is_normal_and_positive(x) & (y.abs() * (exponent.abs() + 1.0) <= 1020.0)
 }
 
-/// `2^(y log₂ x)` with the logarithm in two parts: 2/(3 ln 2) times `3 ln(x) / 2` by its series in
-/// `s = (m - b)/(m + b)`, where `x = 2^n m` and `b` is 1 or 3/2.
+/// `2^(y log₂ x)` with the logarithm in two parts, from `x = 2^n m` and
+/// `log₂ (m/b) = C (s + s³/3 + s⁵/5 + ...)` with `s = (m - b)/(m + b)`, `C = 2/ln 2`, and 1 or 3/2 for `b`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn pow(x: f64, y: f64) -> f64 {
+    // C and C/3, each as a number of so few bits that its product is exact, and the remainder.
+    const C: f64 = 2.885_390_081_777_926_8;
+    const C_HIGH: f64 = 2.885_390_081_442_892_6;
+    const C_LOW: f64 = 3.350_342_632_977_302_4e-10;
+    const THIRD: f64 = 9.617_966_939_259_756e-1;
+    const THIRD_HIGH: f64 = 9.619_140_625e-1;
+    const THIRD_LOW: f64 = -1.173_685_740_243_950_9e-4;
+    // Near C/5, C/7 and so on.
     const L: [f64; 6] = [
-        5.999_999_999_999_946e-1,
-        4.285_714_285_785_502e-1,
-        3.333_333_298_183_774_3e-1,
-        2.727_281_238_085_34e-1,
-        2.306_607_457_755_617_5e-1,
-        2.069_750_178_003_384_2e-1,
+        5.770_780_163_555_802e-1,
+        4.121_985_831_179_819_6e-1,
+        3.205_988_945_946_522_4e-1,
+        2.623_090_078_196_821_4e-1,
+        2.218_487_427_035_452_3e-1,
+        1.990_678_878_356_354_5e-1,
     ];
     const LOG2_1_5_HIGH: f64 = 5.849_624_872_207_642e-1;
     const LOG2_1_5_LOW: f64 = 1.350_039_202_129_749e-8;
-    const TWO_THIRDS: f64 = 9.617_966_939_259_756e-1;
-    const TWO_THIRDS_HIGH: f64 = 9.617_967_009_544_373e-1;
-    const TWO_THIRDS_LOW: f64 = -7.028_461_650_952_758e-9;
     // Mantissas from √(3/2) and from √3 on, by their first 20 bits.
     const ROOT_1_5: u64 = 0x0003_988f_0000_0000;
     const ROOT_3: u64 = 0x000b_b67a_0000_0000;
@@ -49,6 +54,7 @@ fn pow(x: f64, y: f64) -> f64 {
     let m = f64::from_bits(fraction | one);
     let base = select(is_middle, 1.5, 1.0);
 
+    // s in two parts, the first with 21 bits.
     let (difference, inverse) = (m - base, 1.0 / (m + base));
     let s = difference * inverse;
     let s_high = high(s);
@@ -56,20 +62,22 @@ fn pow(x: f64, y: f64) -> f64 {
     let sum_low = m - (sum_high - base);
     let s_low = inverse * ((difference - s_high * sum_high) - s_high * sum_low);
 
+    // The logarithm to 21 bits, and what it leaves of the exact products.
     let z = s * s;
-    let series = z * z * (L[0] + z * (L[1] + z * (L[2] + z * (L[3] + z * (L[4] + z * L[5])))));
-    let series = series + s_low * (s_high + s);
-    let z_high = s_high * s_high;
-    let t_high = high((3.0 + z_high) + series);
-    let t_low = series - ((t_high - 3.0) - z_high);
-    let (u, v) = (s_high * t_high, s_low * t_high + t_low * s);
-    let p_high = high(u + v);
-    let p_low = v - (p_high - u);
-    let w_high = TWO_THIRDS_HIGH * p_high;
-    let w_low = TWO_THIRDS_LOW * p_high + p_low * TWO_THIRDS + select(is_middle, LOG2_1_5_LOW, 0.0);
-    let base_log = select(is_middle, LOG2_1_5_HIGH, 0.0);
-    let log_high = high(((w_high + w_low) + base_log) + n);
-    let log_low = w_low - (((log_high - n) - base_log) - w_high);
+    let whole = n + select(is_middle, LOG2_1_5_HIGH, 0.0);
+    let log_high = high((whole + s * C) + (s * THIRD) * z);
+    let square = s_high * s_high;
+    let square_high = high(square);
+    let cube = s_high * square_high;
+    let lost = ((whole - log_high) + s_high * C_HIGH) + cube * THIRD_HIGH;
+
+    // What is left of C s and of C s³/3; the derivative by s for its second part; the other terms.
+    let left = (s_high * C_LOW + cube * THIRD_LOW) + (s_high * THIRD) * (square - square_high);
+    let slope = C + (s_high * (s_high + s) + z) * THIRD;
+    let w = z * z;
+    let series = ((L[0] + z * L[1]) + w * (L[2] + z * L[3])) + (w * w) * (L[4] + z * L[5]);
+    let known = lost + (left + select(is_middle, LOG2_1_5_LOW, 0.0));
+    let log_low = known + ((s * w) * series + s_low * slope);
 
     let y_high = high(y);
     exp2_sum(y_high * log_high, (y - y_high) * log_high + y * log_low)
