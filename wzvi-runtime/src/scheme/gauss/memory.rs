@@ -251,15 +251,18 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Clone for GaussMemory<S, H, 
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for GaussMemory<S, H, W, N> {
     fn pass(&mut self, tape: &mut Tape) {
-        tape.flag(&mut self.left.is_known);
+        let mut is_known = self.left.is_known;
+        tape.flag(&mut is_known);
         self.left.waits.pass(tape);
-        if self.left.is_known {
+        if is_known {
             let length = tape.length(self.left.past[0].as_ref().len());
             self.fit(length, self.given.dw.as_ref().len());
             for past in &mut self.left.past {
                 past.as_mut().iter_mut().for_each(|number| number.pass(tape));
             }
         }
+        // A memory that gets its size here knows no past step before these words.
+        self.left.is_known = is_known;
         if const { S::IS_PLAIN_DUAL } {
             let mut is_there = self.left.scalar_path.is_some();
             tape.flag(&mut is_there);
@@ -326,5 +329,29 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for GaussMemory<S
 
     fn report(&self) -> SolverReport {
         SolverReport { pinned: self.left.iteration, ..SolverReport::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::GaussMemory;
+    use crate::algebra::shape::Dynamic;
+    use crate::algebra::stages::Stages as _;
+    use crate::ground::numbers::{Numbers as _, Tape};
+
+    /// A memory that has no size before it is read knows the step whose derivatives it reads.
+    #[test]
+    fn words_have_the_last_step() {
+        let mut memory = GaussMemory::<f64, Dynamic, Dynamic, 3>::default();
+        memory.fit(2, 0);
+        memory.left.is_known = true;
+        for (number, stages) in memory.left.past.iter_mut().flatten().enumerate() {
+            (0..3).for_each(|stage| stages.set(stage, (number * 3 + stage) as f64));
+        }
+        let words = Tape::write(|tape| memory.pass(tape));
+        let mut read = GaussMemory::<f64, Dynamic, Dynamic, 3>::default();
+        Tape::read(words.clone(), |tape| read.pass(tape)).unwrap();
+        assert!(read.left.is_known && read.left.has_slopes(2));
+        assert_eq!(Tape::write(|tape| read.pass(tape)), words);
     }
 }
