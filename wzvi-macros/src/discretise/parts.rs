@@ -5,8 +5,8 @@
 use std::collections::HashMap;
 
 use crate::discretise::{Facts, Part, Quadrature, Sum, Weighted, summed};
-use crate::model::System;
-use crate::symbolic::SymbolKind;
+use crate::model::{Element, System};
+use crate::symbolic::{Graph, SymbolKind};
 
 /// One part.
 #[derive(Clone)]
@@ -50,21 +50,27 @@ pub(crate) fn family_of(Weighted { element, increments }: &Weighted) -> Option<u
 }
 
 /// The elements of `K = s H(q, p / s)` with `s = e^{γ (t - t_i)}` instead of those of `H`, and of
-/// `s f(q, p / s)` instead of those of a force.
+/// `s f(q, p / s)` instead of those of a force; collective variables are those of `p / s`.
 pub(crate) fn scale_momenta(system: &mut System, parts: &mut [PartElements]) {
     let graph = &mut system.graph;
     let symbol = graph.new_symbol(SymbolKind::Auxiliary, "s");
     system.scale = Some(symbol);
     let scale = graph.symbol(symbol);
-    for Weighted { element, .. } in
-        parts.iter_mut().flat_map(|part| part.values.iter_mut().chain(&mut part.elements))
-    {
+    let scaled = |graph: &mut Graph, element: &Element| {
         let mut images = HashMap::new();
         for (momentum, _) in element.momenta() {
             let own = graph.symbol(momentum);
             images.insert(momentum, graph.divide(own, scale));
         }
-        let scaled = graph.substitute(&[element.value], &images)[0];
-        element.value = graph.multiply(scale, scaled);
+        graph.substitute(&[element.value], &images)[0]
+    };
+    for Weighted { element, .. } in
+        parts.iter_mut().flat_map(|part| part.values.iter_mut().chain(&mut part.elements))
+    {
+        let value = scaled(graph, element);
+        element.value = graph.multiply(scale, value);
+    }
+    for element in system.collectives.elements_mut() {
+        element.value = scaled(graph, element);
     }
 }

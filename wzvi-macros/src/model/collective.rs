@@ -76,6 +76,11 @@ impl Collectives {
         self.0.is_empty()
     }
 
+    /// The terms of all variables.
+    pub(crate) fn elements_mut(&mut self) -> impl Iterator<Item = &mut Element> {
+        self.0.iter_mut().flat_map(|known| &mut known.elements)
+    }
+
     pub(crate) fn of(&self, slot: CollectiveSlot) -> &Collective {
         self.numbered(slot.number)
     }

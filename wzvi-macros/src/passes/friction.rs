@@ -32,9 +32,7 @@ pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
     // An entry of a list is not a parameter of a system in loops.
     let is_parameter =
         |rate: &Expr| system.symbols.locals_among(system.graph.symbols_in(*rate).into_iter()).is_empty();
-    // Collective variables of momenta are not those of the scaled momenta.
-    let reads_momenta = system.collectives.all().iter().any(|known| known.slot.reads.p);
-    match friction.uniform.filter(is_parameter).filter(|_| !reads_momenta) {
+    match friction.uniform.filter(is_parameter) {
         Some(rate) => system.conformal = Some(rate),
         None => friction_as_force(system, &friction, diagnostics),
     }
