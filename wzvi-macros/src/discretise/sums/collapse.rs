@@ -6,7 +6,9 @@
 //!
 //! for factors `K` that do not depend on `i`, and rational numbers `r`. The rate of a total momentum is then
 //! a polynomial in collective variables, such as `C (-S) + S C` for `(C² + S²) / 2`, which vanishes or not at
-//! any size. Slopes are replaced by their definitions where these have become free of loops.
+//! any size. Slopes are replaced by their definitions where these have become free of loops; where a sum
+//! over sites remains, `K λ` with `λ = Σ_i s_i` is `Σ_i K s_i`, so that a trap around the centre of mass
+//! exerts no force on it.
 //!
 //! Tests: `discretise/sums/tests.rs`.
 
@@ -38,8 +40,55 @@ impl Calculus<'_> {
         opened
     }
 
-    /// The sum with collective variables for the sums over sites that define them.
+    /// The sum with collective variables for the sums over sites that define them, and with the terms of
+    /// slopes that are left outside of loops.
     pub(super) fn collapsed(&mut self, sum: &Sum) -> Sum {
+        let mut collapsed = self.collapsed_once(sum);
+        // The terms of a slope read slopes by later variables only.
+        for _ in 0..self.space.collectives.all().len() {
+            let Some(opened) = self.with_terms_of_slopes(&collapsed) else { break };
+            collapsed = self.collapsed_once(&opened);
+        }
+        collapsed
+    }
+
+    /// The sum with the terms of slopes for those in which elements without loops are linear; `None` if
+    /// there are none.
+    fn with_terms_of_slopes(&mut self, sum: &Sum) -> Option<Sum> {
+        let mut opened = Sum::new();
+        let mut is_opened = false;
+        for Weighted { element, increments } in sum {
+            let mut add = |element| opened.push(Weighted { element, increments: increments.clone() });
+            let slopes: Vec<(Symbol, CollectiveSlot)> = match element.loops.is_empty() {
+                true => element
+                    .collectives()
+                    .filter(|(_, slot)| !self.space.collectives.of(*slot).is_sum())
+                    .collect(),
+                false => Vec::new(),
+            };
+            let symbols: Vec<Symbol> = slopes.iter().map(|(symbol, _)| *symbol).collect();
+            let factors: Vec<Expr> =
+                symbols.iter().map(|symbol| self.graph.derivative(element.value, *symbol)).collect();
+            if slopes.is_empty() || factors.iter().any(|factor| self.graph.depends_on(*factor, &symbols)) {
+                add(element.clone());
+                continue;
+            }
+            is_opened = true;
+            let zero = self.graph.integer(0);
+            let without = symbols.iter().map(|symbol| (*symbol, zero)).collect();
+            let rest = self.graph.substitute(&[element.value], &without)[0];
+            add(self.space.element_of(self.graph, rest));
+            for ((_, slot), factor) in slopes.into_iter().zip(factors) {
+                for term in self.space.collectives.of(slot).elements.clone() {
+                    let value = self.graph.multiply(factor, term.value);
+                    add(self.space.element(self.graph, term.loops, value));
+                }
+            }
+        }
+        is_opened.then_some(opened)
+    }
+
+    fn collapsed_once(&mut self, sum: &Sum) -> Sum {
         let mut collapsed = Sum::new();
         for Weighted { element, increments } in sum {
             for element in self.collapsed_element(element) {

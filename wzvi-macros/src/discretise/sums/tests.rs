@@ -276,6 +276,19 @@ fn first_integrals_of_mean_fields() {
     integrals("f64", 2, &rotors, "", &declared);
     integrals("f64", 2, &trap, "", &[(total, Is::Proven), (&trap, Is::Proven)]);
     integrals("f64", 2, &chain, "", &[(total, Is::Proven), (CHAIN, Is::Proven)]);
+    // Slopes that are sums themselves: of a force that is not linear, with masses, and of a variance.
+    for centred in [
+        "let mean = q.iter().sum::<f64>() / q.len() as f64; kinetic + q.iter().map(|q| (q - mean).powi(4)).sum::<f64>()",
+        "let masses = (0..q.len()).map(|i| 1.0 + 0.1 * i as f64).sum::<f64>(); \
+         let mean = (0..q.len()).map(|i| (1.0 + 0.1 * i as f64) * q[i]).sum::<f64>() / masses; \
+         kinetic + q.iter().map(|q| (q - mean).cosh() + a * (q - mean).powi(2)).sum::<f64>()",
+        "let mean = q.iter().sum::<f64>() / q.len() as f64; \
+         let variance = q.iter().map(|q| (q - mean) * (q - mean)).sum::<f64>() / q.len() as f64; \
+         kinetic + a * (1.0 + variance).sqrt()",
+    ] {
+        let drift = format!("{{ let kinetic = p.iter().map(|p| 0.5 * p * p).sum::<f64>(); {centred} }}");
+        integrals("f64", 2, &drift, "", &[(total, Is::Proven)]);
+    }
     for (state, n) in sizes("f64", 2) {
         // A witness is looked for up to 32 sites.
         let attribute = at(
