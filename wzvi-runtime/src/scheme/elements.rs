@@ -59,7 +59,7 @@ mod sums;
 mod tiles;
 
 pub(crate) use bath::{covector, damping, rates};
-pub use collective::CollectiveHessian;
+pub use collective::{CollectiveHessian, CollectiveVariables};
 pub use gather::Placements;
 pub(crate) use hamiltonian::{COUNTER_TERM, DRIFT, forces};
 pub use in_loops::{InLoops, Loops};
@@ -270,11 +270,8 @@ pub trait Elements: Sized {
         let _ = (part, weight, at, wanted, into);
     }
 
-    /// Whether elements read collective variables: sums over sites that stand in nonlinear functions.
-    const IS_COLLECTIVE: bool = false;
-
     /// The weighted terms of rank one of the second derivatives of a part, which
-    /// [`hessian`](Elements::hessian) leaves out.
+    /// [`hessian`](Elements::hessian) leaves out: those of [`Facts::collective_variables`], cleared.
     fn collective_hessian<S: Scalar>(
         &self,
         part: usize,

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::bath::Friction;
 use super::compose::Form;
-use super::elements::Partials;
+use super::elements::{CollectiveVariables, Partials};
 use super::system::Kind;
 
 /// How the step is solved.
@@ -122,6 +122,8 @@ pub struct Facts {
     /// The most degrees of freedom of one point that depend on each other, where elements of loops couple no
     /// points.
     pub coupled_degrees: Option<usize>,
+    /// The collective variables of each part of the elements; empty where no step solves with any.
+    pub collective_variables: &'static [CollectiveVariables],
 }
 
 impl Facts {
@@ -146,6 +148,7 @@ impl Facts {
             has_one_velocity: false,
             has_constant_curvature: false,
             coupled_degrees: None,
+            collective_variables: &[],
         }
     }
 

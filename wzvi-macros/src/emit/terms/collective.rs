@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::kernel::Target;
@@ -119,6 +119,47 @@ impl ElementEmitter<'_> {
     }
 }
 
+/// The collective variables of a part that follow the state.
+struct PartVariables {
+    /// Those on which its first derivatives depend, by number.
+    all: Vec<CollectiveSlot>,
+    /// Those that its first derivatives read themselves.
+    read: Vec<CollectiveSlot>,
+}
+
+impl PartVariables {
+    /// `None` if its first derivatives depend on none.
+    fn of(model: &System, part: &PartElements) -> Option<Self> {
+        let follows_state = |slot: &CollectiveSlot| slot.reads.q || slot.reads.p;
+        let needed = needed(&model.collectives, &part.elements).into_iter().map(|(slot, _)| slot);
+        let all: Vec<CollectiveSlot> = needed.filter(follows_state).collect();
+        let is_read = |slot: &CollectiveSlot| {
+            let mut read = part.elements.iter().flat_map(|weighted| weighted.element.collectives());
+            read.any(|(_, known)| known == *slot)
+        };
+        let read: Vec<CollectiveSlot> = all.iter().copied().filter(is_read).collect();
+        (!read.is_empty()).then_some(Self { all, read })
+    }
+}
+
+/// The place of a variable in a list.
+fn place(list: &[CollectiveSlot], slot: CollectiveSlot) -> Option<Literal> {
+    list.iter().position(|known| *known == slot).map(count)
+}
+
+/// `Facts::collective_variables` of parts that steps solve with; `None` if no part has any.
+pub(super) fn variables(model: &System, parts: &[PartElements]) -> Option<TokenStream> {
+    let known = parts.iter().filter_map(|part| Some((part.part as usize, PartVariables::of(model, part)?)));
+    let known: BTreeMap<usize, PartVariables> = known.collect();
+    let (&last, _) = known.last_key_value()?;
+    let all = (0..=last).map(|number| {
+        let (all, read) = known.get(&number).map_or((&[][..], &[][..]), |known| (&known.all, &known.read));
+        let (count, read) = (count(all.len()), read.iter().map(|slot| place(all, *slot)));
+        quote!(__wzvi::elements::CollectiveVariables { count: #count, read: &[#(#read),*] })
+    });
+    Some(quote!(&[#(#all),*]))
+}
+
 /// `Elements::collective_hessian`: the terms of rank one of the second derivatives; `None` if no part has
 /// any.
 pub(super) fn hessian_method(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
@@ -132,8 +173,6 @@ pub(super) fn hessian_method(model: &mut System, parts: &[PartElements]) -> Opti
     let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
     (!code.is_empty()).then(|| {
         quote! {
-            const IS_COLLECTIVE: __wzvi::bool = true;
-
             fn collective_hessian<__S: __wzvi::Scalar>(
                 &self,
                 __part: #usize,
@@ -154,27 +193,24 @@ pub(super) fn hessian_method(model: &mut System, parts: &[PartElements]) -> Opti
 
 impl ElementEmitter<'_> {
     /// The slopes of the collective variables by the state, and those of the first derivatives of a part by
-    /// these variables.
+    /// the variables that they read.
     fn rank_one_terms(&mut self, part: &PartElements) -> TokenStream {
-        let read = needed(&self.model.collectives, &part.elements);
-        let read: Vec<CollectiveSlot> = read.into_iter().map(|(slot, _)| slot).collect();
-        if !part.elements.iter().any(|weighted| weighted.element.is_collective()) {
+        let Some(PartVariables { all, read }) = PartVariables::of(self.model, part) else {
             return TokenStream::new();
-        }
-        let place_of = |slot: CollectiveSlot| count(read.iter().take_while(|known| **known != slot).count());
+        };
         let mut code = self.collectives(&part.elements);
-        for &slot in &read {
-            let own = place_of(slot);
+        for (own, &slot) in all.iter().enumerate() {
+            let own = count(own);
             for weighted in unweighted(&self.model.collectives.of(slot).elements.clone()) {
                 let element = &weighted.element;
                 let outputs = self.slopes_of(element, element.value);
                 let gradient = self.computed(&weighted, None, outputs);
                 code.extend(quote!({ let [__by_q, __by_p] = __into.gradient(#own); #gradient }));
-                for (symbol, inner) in element.moving_collectives() {
+                for (symbol, inner) in element.collectives() {
+                    let Some(inner) = place(&all, inner) else { continue };
                     let slope = self.model.graph.derivative(element.value, symbol);
                     let values = vec![(slope, Target::total())];
                     let slope = self.computed(&weighted, None, Outputs { values, ..Outputs::default() });
-                    let inner = place_of(inner);
                     code.extend(quote! {{
                         let mut __total = __S::from_f64(0.0);
                         #slope
@@ -185,16 +221,16 @@ impl ElementEmitter<'_> {
         }
         for weighted in &part.elements {
             let weight = self.weight(part, weighted);
-            for (symbol, slot) in weighted.element.moving_collectives() {
+            for (symbol, slot) in weighted.element.collectives() {
+                let Some(term) = place(&read, slot) else { continue };
                 let (value, weight) = self.weighed(&weighted.element, Some(&weight));
                 let slope = self.model.graph.derivative(value, symbol);
                 let outputs = self.slopes_of(&weighted.element, slope);
-                let (own, slopes) = (place_of(slot), self.computed(weighted, weight, outputs));
-                code.extend(quote!({ let [__by_q, __by_p] = __into.slopes(#own); #slopes }));
+                let slopes = self.computed(weighted, weight, outputs);
+                code.extend(quote!({ let [__by_q, __by_p] = __into.slopes(#term); #slopes }));
             }
         }
-        let variables = count(read.len());
-        quote!(__into.begin(__at.degrees(), #variables); #code)
+        code
     }
 
     /// The slopes of a value by the variables of an element; for a covector `f`, components of `-f`.

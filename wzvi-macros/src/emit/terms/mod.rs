@@ -144,7 +144,10 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
     let (value, slopes) = (quote!(#value #part_values), quote!(#slopes #part_slopes));
     let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
     let curvature = hessian_method(model, &parts, plans.needs_hessian());
-    let of_collectives = if plans.needs_hessian() { collective::hessian_method(model, &parts) } else { None };
+    let (collective_variables, of_collectives) = match plans.needs_hessian() {
+        true => (collective::variables(model, &parts), collective::hessian_method(model, &parts)),
+        false => (None, None),
+    };
     let first_integral = count(PartNumbers::of(model).integrals);
     let has_tiles = tiles::allows_tiles(model, &parts);
     // Read where a window takes a whole step at once.
@@ -163,6 +166,7 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
         has_one_velocity: holds(tiles::has_uniform_velocity(model, &parts)),
         has_constant_curvature: holds(is_constant),
         coupled_degrees: coupled.map(|degrees| quote!(__wzvi::Some(#degrees))),
+        collective_variables,
         ..Default::default()
     };
     let known = crate::emit::plan::facts(model, facts, of_elements);

@@ -53,7 +53,7 @@ impl Costs {
                 ((ITERATIONS * iteration + factors / SHARED) / sweep, factors / iteration)
             }
             LinearSolver::Bordered(bordered) => {
-                let terms = bordered.count() as f64;
+                let terms = bordered.terms.count() as f64;
                 let solution = bordered.band.solution_cost() + 2.0 * terms * unknowns as f64;
                 let elimination = bordered.band.elimination_cost() + terms * solution;
                 let (iteration, factors) = (sweep + solution, SECOND_DERIVATIVES * sweep + elimination);
@@ -109,8 +109,8 @@ mod tests {
         let all = |visit: &mut dyn FnMut(usize, usize)| {
             (0..100).for_each(|i| (0..100).filter(|&j| j != i).for_each(|j| visit(i, j)));
         };
-        let chain = Costs::of(198, 100, Some(&LinearSolver::<f64>::new(&chain, 100)));
-        let all = Costs::of(9900, 100, Some(&LinearSolver::<f64>::new(&all, 100)));
+        let chain = Costs::of(198, 100, Some(&LinearSolver::<f64>::new(&chain, 100, Default::default())));
+        let all = Costs::of(9900, 100, Some(&LinearSolver::<f64>::new(&all, 100, Default::default())));
         assert!((10.0..20.0).contains(&chain.newton), "{chain:?}");
         assert!(all.newton > 2.0 * chain.newton && all.slowest > chain.slowest, "{all:?}");
     }

@@ -6,6 +6,7 @@
 //! that a large lattice needs no matrix of derivatives.
 
 use super::linear::LinearSolver;
+use super::low_rank::SubstitutionScratch;
 use super::memory::{IterationMemory, LoopScratch};
 use super::step::LoopStep;
 use super::{Elements, LoopMemory};
@@ -27,13 +28,13 @@ pub(super) struct ScalarSolution<S> {
     p: Vec<f64>,
     dw: Vec<f64>,
     /// Scratch for a substitution in numbers with derivatives.
-    solved: Vec<S>,
+    substitution: SubstitutionScratch<S>,
     /// Whether they have taken this step, and there are factors of its Jacobian.
     pub(super) are_solved: bool,
 }
 
 numbers! {
-    impl[S] Numbers for ScalarSolution<S> { kept: memory; scratch: q, p, dw, solved, are_solved }
+    impl[S] Numbers for ScalarSolution<S> { kept: memory; scratch: q, p, dw, substitution, are_solved }
 }
 
 impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
@@ -59,7 +60,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
         memory: &mut LoopMemory<S>,
     ) -> Result<Effort, StepFailure> {
         let (system, scheme, degrees) = (self.system, self.scheme, self.degrees());
-        let ScalarSolution { memory: own, q, p, dw, solved, are_solved } = values;
+        let ScalarSolution { memory: own, q, p, dw, substitution, are_solved } = values;
         let are_solved = std::mem::take(are_solved);
         for (own, all) in [(&mut *q, self.q), (&mut *p, self.p), (&mut *dw, self.dw)] {
             own.clear();
@@ -97,8 +98,8 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
             self.residual(&mut all);
             all.correction.iter_mut().for_each(|residual| *residual = residual.infinitesimal());
             match linear {
-                LinearSolver::Band(band) => band.solve_in_room(all.correction, solved),
-                LinearSolver::Bordered(bordered) => bordered.solve_in_room(all.correction, solved),
+                LinearSolver::Band(band) => band.solve_in_room(all.correction, &mut substitution.solved),
+                LinearSolver::Bordered(bordered) => bordered.solve_in_room(all.correction, substitution),
                 LinearSolver::Krylov(_) => {
                     for number in 0..S::DERIVATIVES {
                         for (own, residual) in lists.correction.iter_mut().zip(&*all.correction) {

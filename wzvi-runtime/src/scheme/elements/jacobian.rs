@@ -186,7 +186,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
                 let most_cycles =
                     if *all { most } else { most.min(EXCESS_PRODUCTS / Krylov::<S>::BASIS as u32) };
                 let stages = lists.lend();
-                if H::IS_COLLECTIVE {
+                if const { !H::FACTS.collective_variables.is_empty() } {
                     self.rank_one_terms(&stages, diagonal, terms);
                     if *leaves_out {
                         terms.leave_out();

@@ -77,56 +77,17 @@ impl<S: Scalar> KrylovSolver<S> {
 
 impl<S: Scalar> LinearSolver<S> {
     /// A band if it is narrow or small, after a renumbering where that pays; otherwise Krylov's method.
-    pub(super) fn new(pattern: Pattern<'_>, unknowns: usize) -> Self {
-        let (mut natural, mut entries) = (0_usize, 0_usize);
-        pattern(&mut |row, column| {
-            natural = natural.max(row.abs_diff(column));
-            entries += 1;
-        });
-        if natural <= NARROW_AS_IT_IS || is_dense(entries, unknowns) {
-            let (size, mut is_parted) = (natural + 1, natural > 0 && natural <= NARROW_AS_IT_IS);
-            if is_parted {
-                pattern(&mut |row, column| is_parted &= row / size == column / size);
-            }
-            return match Self::of_band(unknowns, natural, Vec::new()) {
-                Self::Band(band) if is_parted => Self::Band(band.parted(true)),
-                whole => whole,
-            };
-        }
-        let (half, position) = rearranged(unknowns, &pairs(pattern, entries));
-        if half < natural {
-            Self::of_band(unknowns, half, position)
-        } else {
-            Self::of_band(unknowns, natural, Vec::new())
-        }
-    }
-
-    /// A band of this half-width, or Krylov's method if the band costs too much.
-    fn of_band(unknowns: usize, half: usize, position: Vec<usize>) -> Self {
-        // Krylov's method cannot orthogonalise the derivatives that numbers carry.
-        let is_plain = size_of::<S>() == size_of::<f64>();
-        let is_cheap = half <= NARROW
-            || unknowns.saturating_mul(half).saturating_mul(half) <= FEW_OPERATIONS
-            || !is_plain;
-        let is_dense = half > NARROW_AS_IT_IS && Banded::<S>::is_dense(unknowns, half);
-        let (half, position) = if is_dense { (unknowns - 1, Vec::new()) } else { (half, position) };
-        match if is_cheap { Banded::new(unknowns, half, position, MOST_NUMBERS) } else { None } {
-            Some(band) => Self::Band(band.parted(is_dense)),
+    pub(super) fn new(pattern: Pattern<'_>, unknowns: usize, terms: RankOneTerms<S>) -> Self {
+        match band_of(pattern, unknowns) {
+            Some(band) if terms.count() == 0 => Self::Band(band),
+            Some(band) => Self::Bordered(Box::new(Bordered::new(band, terms))),
             None => Self::Krylov(Box::new(KrylovSolver {
                 krylov: Krylov::new(unknowns),
-                terms: RankOneTerms::default(),
-                room: Vec::new(),
+                terms,
+                room: Vec::with_capacity(unknowns),
                 factors: None,
                 leaves_out: false,
             })),
-        }
-    }
-
-    /// The solver of a matrix with so many terms of rank one more.
-    pub(super) fn with_terms(self, terms: usize) -> Self {
-        match self {
-            Self::Band(band) if terms > 0 => Self::Bordered(Box::new(Bordered::new(band, terms))),
-            whole => whole,
         }
     }
 
@@ -156,6 +117,42 @@ impl<S: Scalar> LinearSolver<S> {
             }
         }
     }
+}
+
+/// The band of a matrix, after a renumbering where that pays; `None` if it costs too much.
+fn band_of<S: Scalar>(pattern: Pattern<'_>, unknowns: usize) -> Option<Banded<S>> {
+    let (mut natural, mut entries) = (0_usize, 0_usize);
+    pattern(&mut |row, column| {
+        natural = natural.max(row.abs_diff(column));
+        entries += 1;
+    });
+    if natural <= NARROW_AS_IT_IS || is_dense(entries, unknowns) {
+        let (size, mut is_parted) = (natural + 1, natural > 0 && natural <= NARROW_AS_IT_IS);
+        if is_parted {
+            pattern(&mut |row, column| is_parted &= row / size == column / size);
+        }
+        let band = of_half_width(unknowns, natural, Vec::new())?;
+        return Some(if is_parted { band.parted(true) } else { band });
+    }
+    let (half, position) = rearranged(unknowns, &pairs(pattern, entries));
+    if half < natural {
+        of_half_width(unknowns, half, position)
+    } else {
+        of_half_width(unknowns, natural, Vec::new())
+    }
+}
+
+/// A band of this half-width, or the whole matrix where that is eliminated faster; `None` if it costs too
+/// much.
+fn of_half_width<S: Scalar>(unknowns: usize, half: usize, position: Vec<usize>) -> Option<Banded<S>> {
+    // Krylov's method cannot orthogonalise the derivatives that numbers carry.
+    let is_plain = size_of::<S>() == size_of::<f64>();
+    let is_cheap =
+        half <= NARROW || unknowns.saturating_mul(half).saturating_mul(half) <= FEW_OPERATIONS || !is_plain;
+    let is_dense = half > NARROW_AS_IT_IS && Banded::<S>::is_dense(unknowns, half);
+    let (half, position) = if is_dense { (unknowns - 1, Vec::new()) } else { (half, position) };
+    let band = if is_cheap { Banded::new(unknowns, half, position, MOST_NUMBERS) } else { None };
+    band.map(|band| band.parted(is_dense))
 }
 
 /// Storage for factors: incomplete, with the pattern of the matrix; complete if `all` and cheap enough;

@@ -11,7 +11,7 @@
 use std::ops::Mul;
 
 use super::collective::CollectiveHessian;
-use super::memory::{StepLists, StepScratch};
+use super::memory::StepLists;
 use super::step::LoopStep;
 use super::{Elements, Quadrature, Unknowns};
 use crate::algebra::scalar::Scalar;
@@ -28,7 +28,23 @@ pub(super) struct RankOneTerms<S> {
 }
 
 impl<S: Scalar> RankOneTerms<S> {
-    fn rows<'a>(&'a self, list: &'a [S]) -> impl Iterator<Item = &'a [S]> {
+    /// Room for the terms in the Jacobian of a scheme, and for those of each part.
+    pub(super) fn new<H: Elements>(scheme: &Quadrature, degrees: usize) -> Self {
+        let unknowns = scheme.unknowns.count(degrees);
+        let zeros = vec![S::from_f64(0.0); count_terms::<H>(scheme) * unknowns];
+        let mut part = CollectiveHessian::default();
+        if !zeros.is_empty() {
+            H::FACTS.collective_variables.iter().for_each(|variables| part.begin(degrees, variables));
+        }
+        Self { unknowns, u: zeros.clone(), v: zeros, part }
+    }
+
+    /// The number of terms.
+    pub(super) fn count(&self) -> usize {
+        self.rows(&self.u).len()
+    }
+
+    fn rows<'a>(&'a self, list: &'a [S]) -> impl ExactSizeIterator<Item = &'a [S]> {
         list.chunks_exact(self.unknowns.max(1))
     }
 
@@ -37,6 +53,16 @@ impl<S: Scalar> RankOneTerms<S> {
         for (u, v) in self.rows(&self.u).zip(self.rows(&self.v)) {
             add_multiple(y, u, dot(v, x));
         }
+    }
+
+    /// `y = Vᵀ x`
+    fn multiply_transposed<T: Scalar + Mul<S, Output = T>>(&self, x: &[T], y: &mut [T]) {
+        y.iter_mut().zip(self.rows(&self.v)).for_each(|(y, v)| *y = dot(v, x));
+    }
+
+    /// `y -= U x`
+    fn subtract<T: Scalar + Mul<S, Output = T>>(&self, x: &[T], y: &mut [T]) {
+        x.iter().zip(self.rows(&self.u)).for_each(|(&x, u)| add_multiple(y, u, -x));
     }
 
     /// Removes the terms that are not finite; returns their number.
@@ -71,19 +97,22 @@ pub(super) struct Bordered<S> {
     pub(super) terms: RankOneTerms<S>,
     /// `1 + Vᵀ W`
     small: Banded<S>,
-    room: Vec<S>,
+    /// `Vᵀ B⁻¹ b`
+    dots: Vec<S>,
+}
+
+/// Scratch for a solution in numbers with derivatives, allocated by its first use.
+#[derive(Debug, Default)]
+pub(super) struct SubstitutionScratch<T> {
+    pub(super) solved: Vec<T>,
+    dots: Vec<T>,
 }
 
 impl<S: Scalar> Bordered<S> {
-    /// A band with so many terms, at least one.
-    pub(super) fn new(band: Banded<S>, terms: usize) -> Self {
-        let small = Banded::dense(terms);
-        Self { band, terms: RankOneTerms::default(), small, room: Vec::new() }
-    }
-
-    /// The number of terms.
-    pub(super) fn count(&self) -> usize {
-        self.small.half_width() + 1
+    /// A band with terms, at least one.
+    pub(super) fn new(band: Banded<S>, terms: RankOneTerms<S>) -> Self {
+        let count = terms.count();
+        Self { band, terms, small: Banded::dense(count), dots: vec![S::from_f64(0.0); count] }
     }
 
     /// Factors the band and then the small matrix.
@@ -106,24 +135,25 @@ impl<S: Scalar> Bordered<S> {
 
     /// `b` becomes `J⁻¹ b`.
     pub(super) fn solve(&mut self, b: &mut [S]) {
-        let Self { band, terms, small, room } = self;
+        let Self { band, terms, small, dots } = self;
         band.solve(b);
-        room.clear();
-        room.extend(terms.rows(&terms.v).map(|v| dot(v, &*b)));
-        small.solve(room);
-        for (w, &dot) in terms.rows(&terms.u).zip(&*room) {
-            add_multiple(b, w, -dot);
-        }
+        terms.multiply_transposed(b, dots);
+        small.solve(dots);
+        terms.subtract(dots, b);
     }
 
     /// [`Bordered::solve`] for numbers with derivatives.
-    pub(super) fn solve_in_room<T: Scalar + Mul<S, Output = T>>(&self, b: &mut [T], x: &mut Vec<T>) {
-        self.band.solve_in_room(b, x);
-        let mut dots: Vec<T> = self.terms.rows(&self.terms.v).map(|v| dot(v, &*b)).collect();
-        self.small.solve_in_room(&mut dots, x);
-        for (w, &dot) in self.terms.rows(&self.terms.u).zip(&dots) {
-            add_multiple(b, w, -dot);
-        }
+    pub(super) fn solve_in_room<T: Scalar + Mul<S, Output = T>>(
+        &self,
+        b: &mut [T],
+        scratch: &mut SubstitutionScratch<T>,
+    ) {
+        let SubstitutionScratch { solved, dots } = scratch;
+        self.band.solve_in_room(b, solved);
+        dots.resize(self.terms.count(), T::from_f64(0.0));
+        self.terms.multiply_transposed(b, dots);
+        self.small.solve_in_room(dots, solved);
+        self.terms.subtract(dots, b);
     }
 
     /// Whether the determinant is known to be negative: the blocks of the band are not uncoupled here.
@@ -146,26 +176,29 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         let StepLists { stages, momentum, .. } = lists;
         let RankOneTerms { unknowns, u, v, part: terms } = into;
         let degrees = self.degrees();
-        *unknowns = self.scheme.unknowns.count(degrees);
-        u.clear();
-        v.clear();
+        let size = (*unknowns).max(1);
+        let mut rows = u.chunks_exact_mut(size).zip(v.chunks_exact_mut(size));
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (q, p): (&[S], &[S]) = (stages.at(s).0, momentum);
             let at = self.at(stage, q, p);
             let (point, start) = (stage.point, stage.start);
             for &(part, weight) in stage.parts {
-                terms.begin(0, 0);
+                let Some(variables) = H::FACTS.collective_variables.get(part) else { continue };
+                terms.begin(degrees, variables);
                 self.system.collective_hessian(part, weight, &at, terms);
-                for [[a_q, a_p], [b_q, b_p]] in terms.terms() {
+                for ([[a_q, a_p], [b_q, b_p]], (u, v)) in terms.terms().zip(&mut rows) {
                     // All four lists, and the diagonal, have an entry for each degree of freedom.
                     if self.scheme.unknowns == Unknowns::Both {
-                        for i in 0..degrees {
-                            u.extend([-b_p[i], b_q[i] * start]);
-                            v.extend([a_q[i] * point, a_p[i]]);
+                        let pairs = u.as_chunks_mut().0.iter_mut().zip(v.as_chunks_mut().0);
+                        for (i, (u, v)) in pairs.enumerate() {
+                            *u = [-b_p[i], b_q[i] * start];
+                            *v = [a_q[i] * point, a_p[i]];
                         }
                     } else {
-                        u.extend(b_q.iter().map(|&b| b * start));
-                        v.extend((0..degrees).map(|j| a_q[j] * diagonal[j] * point + a_p[j]));
+                        for (i, (u, v)) in u.iter_mut().zip(v).enumerate() {
+                            *u = b_q[i] * start;
+                            *v = a_q[i] * diagonal[i] * point + a_p[i];
+                        }
                     }
                 }
             }
@@ -174,16 +207,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
 }
 
 /// The number of terms of rank one in the Jacobian of a scheme.
-pub(super) fn count_terms<H: Elements>(system: &H, scheme: &Quadrature, degrees: usize) -> usize {
-    if !H::IS_COLLECTIVE || scheme.unknowns == Unknowns::None || degrees == 0 {
-        return 0;
-    }
-    let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
-    let (q, p, dw) = (&*zeros, &*zeros, &*dw);
-    let step = LoopStep { system, scheme, t: 0.0, h: 1.0, parameters: &[], q, p, dw, increment: None };
-    let (mut work, diagonal) =
-        (StepScratch::new(scheme, degrees), vec![0.0; scheme.unknowns.diagonals(degrees)]);
-    let mut terms = RankOneTerms::default();
-    step.rank_one_terms(&work.lists(scheme, degrees), &diagonal, &mut terms);
-    terms.u.len() / scheme.unknowns.count(degrees)
+fn count_terms<H: Elements>(scheme: &Quadrature) -> usize {
+    let parts = scheme.stages.iter().flat_map(|stage| stage.parts);
+    parts.filter_map(|&(part, _)| H::FACTS.collective_variables.get(part)).map(|known| known.read.len()).sum()
 }

@@ -6,7 +6,7 @@ use super::factor_cache::FactorCache;
 use super::jacobian::{VisitEntry, pattern};
 use super::lanes::is_in_lanes;
 use super::linear::LinearSolver;
-use super::low_rank::count_terms;
+use super::low_rank::RankOneTerms;
 use super::past::PastUnknowns;
 use super::preference::Preference;
 use super::rounding::Rounding;
@@ -446,17 +446,26 @@ impl<S: Scalar> LoopMemory<S> {
         let pattern = |visit: VisitEntry<'_>| pattern(system, scheme, degrees, visit);
         // Counted before the matrix is allocated: the pattern needs room of its own.
         let entries = if is_implicit { entries(&pattern) } else { 0 };
-        let terms = count_terms(system, scheme, degrees);
         if const { is_in_lanes::<S>() } {
             // Lanes have no factors, and take the decisions of a path alone.
-            let linear = is_implicit.then(|| LinearSolver::<f64>::new(&pattern, unknowns).with_terms(terms));
+            let linear = is_implicit.then(|| linear::<H, f64>(&pattern, scheme, degrees));
             self.solver.costs = Costs::of(entries, unknowns, linear.as_ref());
         } else {
             let has_factors = is_implicit && !scheme.takes_values_first::<S>();
-            self.solver.linear = has_factors.then(|| LinearSolver::new(&pattern, unknowns).with_terms(terms));
+            self.solver.linear = has_factors.then(|| linear::<H, S>(&pattern, scheme, degrees));
             self.solver.costs = Costs::of(entries, unknowns, self.solver.linear.as_ref());
         }
     }
+}
+
+/// The solver of the linear equations of a scheme.
+fn linear<H: Elements, S: Scalar>(
+    pattern: &dyn Fn(VisitEntry<'_>),
+    scheme: &Quadrature,
+    degrees: usize,
+) -> LinearSolver<S> {
+    let unknowns = scheme.unknowns.count(degrees);
+    LinearSolver::new(pattern, unknowns, RankOneTerms::new::<H>(scheme, degrees))
 }
 
 /// How many entries a pattern has.
