@@ -1,6 +1,15 @@
 //! Sums over sites in nonlinear functions: the steps of straight lines, of double sums, and at the cost of one sum.
 
-use fixtures::steps::{advance, asymmetry, distance, end};
+use allocation_counter::measure;
+use fixtures::folder;
+use fixtures::steps::{
+    advance, apart, asymmetry, distance, end, form_apart, has_order, lanes_are_steppers, numbers,
+};
+use wzvi::checkpoint::Checkpoint;
+use wzvi::elements::Method;
+use wzvi::error::Error;
+use wzvi::modified::ModifiedHamiltonian;
+use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 
 /// A system in straight lines at three sites, and in loops with a const generic and on slices.
@@ -235,4 +244,242 @@ fn noises_and_forces_read_sums() {
     );
     // Some roundings of numbers up to 2, through a solution to rounding.
     assert!(gap < 1e-14, "{gap:e}");
+}
+
+/// Sites of a lattice that winds around a torus, and a stiff mean field: too wide for a band.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        let mean = q.iter().sum::<f64>() / n as f64;
+        let bond = |i: usize, k: usize| 0.5 * stiff * (q[i] - q[k]).powi(2);
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (0..n).map(|i| bond(i, (i + 1) % n) + bond(i, (i + 35) % n) + 0.25 * q[i].powi(4)).sum::<f64>()
+            + j * n as f64 * mean * mean * (1.0 + mean * mean)
+    },
+    embedding = Midpoint,
+)]
+struct Torus {
+    stiff: f64,
+    j: f64,
+}
+
+/// The products with vectors have the terms of rank one, and factors without these precondition them.
+#[test]
+fn krylov_steps_have_the_terms_of_rank_one() {
+    let ([q, p], torus) = (start(1200), Torus { stiff: 1e3, j: 1e5 });
+    let mut state = State::new(q, p);
+    let mut stepper = torus.stepper::<Midpoint>(0.05).unwrap().iteration(Iteration::Newton);
+    for _ in 0..2 {
+        let step = stepper.step(&mut state, &[]).unwrap();
+        // With another Jacobian the iteration converges by a constant factor a step, if at all.
+        assert!(step.iterations <= 10, "{}", step.iterations);
+    }
+    assert_eq!(stepper.method(), Some(Method::Krylov));
+}
+
+/// Orders of kicks and drifts, of implicit steps and their compositions, in a system with one force for all.
+#[test]
+fn steps_have_their_orders() {
+    let ([q, p], rotors) = (start(20), Rotors { j: 1.3 });
+    let start: [&[f64]; 2] = [&q, &p];
+    // Terms of the next orders change what is measured by less than 0.1 at these step sizes.
+    has_order::<Verlet, _>(&rotors, start, (2.0, 20), 2, 0.1);
+    has_order::<Midpoint, _>(&rotors, start, (2.0, 20), 2, 0.1);
+    has_order::<Composed<Verlet, BlanesMoan6>, _>(&rotors, start, (2.0, 10), 6, 0.1);
+    has_order::<Composed<Midpoint, Yoshida4>, _>(&rotors, start, (2.0, 40), 4, 0.1);
+    has_order::<Gauss<4>, _>(&rotors, start, (2.0, 4), 8, 0.1);
+}
+
+/// The modified energy of a step of order two is kept to order four.
+#[test]
+fn modified_energies_are_kept() {
+    fn drift<E, H>(system: &H, steps: u32) -> f64
+    where
+        E: wzvi::modified::ModifiedBy,
+        H: Discretized<E, Vector = DVector<f64>> + wzvi::modified::Conservative,
+    {
+        let ([q, p], h) = (start(6), 4.0 / f64::from(steps));
+        let (mut state, mut stepper) = (State::new(q, p), system.stepper::<E>(h).unwrap());
+        let modified = ModifiedHamiltonian::<E>::new(h);
+        let before = modified.energy(system, &state);
+        let gaps = (0..steps).map(|_| {
+            stepper.step(&mut state, &[]).unwrap();
+            (modified.energy(system, &state) - before).abs()
+        });
+        gaps.fold(0.0, f64::max)
+    }
+    let rotors = Rotors { j: 1.3 };
+    for order in [
+        (drift::<Verlet, _>(&rotors, 40) / drift::<Verlet, _>(&rotors, 80)).log2(),
+        (drift::<Midpoint, _>(&rotors, 40) / drift::<Midpoint, _>(&rotors, 80)).log2(),
+    ] {
+        assert!((order - 4.0).abs() < 0.2, "{order}");
+    }
+}
+
+/// Runs that stop and go on have the bits of those that do not, also where only the state has a size.
+#[test]
+fn resumed_runs_have_the_same_bits() {
+    fn check<E>(j: f64, n: usize)
+    where
+        Rotors: Discretized<E, Vector = DVector<f64>>,
+    {
+        let ([q, p], rotors, folder) = (start(n), Rotors { j }, folder!("collective"));
+        let run = |steps| rotors.simulate::<E>(0.05).start(State::new(q.clone(), p.clone())).steps(steps);
+        let file = || Checkpoint::to(folder.join("run"));
+        for steps in [3, 8] {
+            run(steps).checkpoint(file()).run().unwrap();
+        }
+        let resumed = run(12).checkpoint(file()).run().unwrap();
+        let whole = run(12).run().unwrap();
+        assert_eq!(resumed.states(), whole.states(), "{} {j} {n}", std::any::type_name::<E>());
+        assert_eq!(resumed.iterations(), whole.iterations(), "{} {j} {n}", std::any::type_name::<E>());
+    }
+    check::<Verlet>(1.3, 5);
+    for (j, n) in [(1.3, 5), (1e3, 70)] {
+        check::<Midpoint>(j, n);
+        check::<Gauss<4>>(j, n);
+    }
+}
+
+/// The derivative of the end by the start is symplectic, and that of straight lines.
+#[test]
+fn tangents_are_those_of_straight_lines() {
+    fn tangent<E, H: Discretized<E>>(system: &H) -> Result<Vec<Vec<f64>>, Error> {
+        let [q, p] = start(3);
+        let start = fixtures::extremes::state(&q, &p);
+        let tangent = system.simulate::<E>(0.1).start(start).steps(20).tangent()?;
+        Ok(tangent.by_start.column_iter().map(|column| column.iter().copied().collect()).collect())
+    }
+    macro_rules! check {
+        ($($scheme:ty),*) => {$(
+            let one = tangent::<$scheme, _>(&mean_field::Slice { j: 0.7 }).unwrap();
+            let other = tangent::<$scheme, _>(&mean_field::Small { j: 0.7 }).unwrap();
+            // Roundings of 20 steps, of derivatives up to 3.
+            assert!(distance(&one.concat(), &other.concat()) < 1e-13, "{}", stringify!($scheme));
+            assert!(form_apart(&one, 1.0) < 1e-13, "{}", stringify!($scheme));
+        )*};
+    }
+    check!(Verlet, Midpoint, Gauss<2>);
+}
+
+/// Steps and tangents make no lists but those of their first step, and Newton's method none at its first
+/// use.
+#[test]
+fn steps_allocate_nothing() {
+    fn steps<E>(rotors: &Rotors, iteration: Iteration) -> u64
+    where
+        Rotors: Discretized<E, Vector = DVector<f64>>,
+    {
+        let [q, p] = start(20);
+        let (mut state, mut stepper) = (State::new(q, p), rotors.stepper::<E>(0.05).unwrap());
+        (0..3).for_each(|_| assert!(stepper.step(&mut state, &[]).is_ok()));
+        let mut stepper = stepper.iteration(iteration);
+        measure(|| (0..3).for_each(|_| assert!(stepper.step(&mut state, &[]).is_ok()))).count_total
+    }
+    let rotors = Rotors { j: 1.3 };
+    assert_eq!(steps::<Verlet>(&rotors, Iteration::Automatic), 0);
+    assert_eq!(steps::<Midpoint>(&rotors, Iteration::Automatic), 0);
+    assert_eq!(steps::<Midpoint>(&rotors, Iteration::Newton), 0);
+    assert_eq!(steps::<Gauss<4>>(&rotors, Iteration::Automatic), 0);
+    let tangent = |steps| {
+        let [q, p] = start(3);
+        let run = mean_field::Slice { j: 0.7 };
+        let run = run.simulate::<Midpoint>(0.05).start(State::new(q, p)).steps(steps);
+        measure(|| assert!(run.tangent().is_ok())).count_total
+    };
+    assert_eq!(tangent(4), tangent(30));
+}
+
+/// Sites with a quadratic mean field in a bath, or slowed by friction.
+macro_rules! damped {
+    ($name:ident, $vector:ty, |$q:ident| $n:expr, $($keys:tt)*) => {
+        #[hamiltonian(
+            drift = |$q: $vector, p: $vector| {
+                let total = $q.iter().sum::<f64>();
+                (0..$n).map(|i| 0.5 * p[i] * p[i] + 0.75 * $q[i] * $q[i]).sum::<f64>() - j * total * total / (2.0 * $n as f64)
+            },
+            friction = gamma,
+            $($keys)*
+        )]
+        struct $name {
+            j: f64,
+            gamma: f64,
+            kt: f64,
+        }
+    };
+}
+damped!(HeatedThree, [f64; 3], |q| 3, temperature = kt, embedding = [Baoab, Thermostat<Midpoint>],);
+damped!(HeatedSlice, &[f64], |q| q.len(), temperature = kt, embedding = [Baoab, Thermostat<Midpoint>],);
+damped!(
+    SlowedThree,
+    [f64; 3],
+    |q| 3,
+    force = |q, p| {
+        let flow = p.iter().map(|p| p * p * p).sum::<f64>();
+        (0..3).map(move |i| -0.1 * kt * flow * q[i].cos())
+    },
+    embedding = Midpoint,
+);
+damped!(
+    SlowedSlice,
+    &[f64],
+    |q| q.len(),
+    force = |q, p| {
+        let flow = p.iter().map(|p| p * p * p).sum::<f64>();
+        (0..q.len()).map(move |i| -0.1 * kt * flow * q[i].cos())
+    },
+    embedding = Midpoint,
+);
+
+/// With friction of one rate the momenta of a step are scaled, and sums over them with them.
+#[test]
+fn friction_and_baths_do_not_depend_on_the_spelling() {
+    let [q, p] = start(3);
+    let start: [&[f64]; 2] = [&q, &p];
+    let (j, gamma, kt) = (0.9, 0.8, 0.7);
+    let (one, other) = (HeatedThree { j, gamma, kt }, HeatedSlice { j, gamma, kt });
+    // Some roundings of numbers up to 2 in each of 12 steps.
+    assert!(apart::<Baoab, _, _>((&one, &other), start, (0.1, 12), &[0.3; 3]) < 1e-14);
+    assert!(apart::<Thermostat<Midpoint>, _, _>((&one, &other), start, (0.1, 12), &[0.3; 6]) < 1e-14);
+    let (one, other) = (SlowedThree { j, gamma, kt }, SlowedSlice { j, gamma, kt });
+    assert!(apart::<Midpoint, _, _>((&one, &other), start, (0.1, 12), &[]) < 1e-14);
+}
+
+/// `M²/N` of a Gaussian measure: `kT / (k - J)`.
+#[test]
+fn a_bath_has_the_canonical_fluctuations_of_the_mean_field() {
+    let heated = HeatedSlice { j: 0.9, gamma: 1.0, kt: 0.7 };
+    let rest = State::new(vec![0.0; 4], vec![0.0; 4]);
+    let run = heated.ensemble::<Baoab>(0.2).start(rest).paths(400).seed(3).until(30.0);
+    let run = run.observe("m2", |state| state.q.sum().powi(2) / state.q.len() as f64).run().unwrap();
+    let (found, exact) = (run.last().unwrap().mean(0), 0.7 / (1.5 - 0.9));
+    // 400 squares of normals have a relative deviation of √(2/400); positions of Baoab are exact here.
+    assert!((found / exact - 1.0).abs() < 4.0 * (2.0_f64 / 400.0).sqrt(), "{found} {exact}");
+}
+
+/// Paths in lanes have the bits of steppers: of kicks, of Newton's method, of baths and with noise.
+#[test]
+fn lanes_are_paths_alone() {
+    let ([q, p], heated) = (start(13), HeatedSlice { j: 0.9, gamma: 1.0, kt: 0.7 });
+    let (start, driven): ([&[f64]; 2], _) = ([&q, &p], DrivenSlice { sigma: 0.1, drag: 0.3 });
+    lanes_are_steppers::<Verlet, _>(&driven, start, 0.05);
+    lanes_are_steppers::<Midpoint, _>(&driven, start, 0.05);
+    lanes_are_steppers::<Baoab, _>(&heated, start, 0.05);
+    lanes_are_steppers::<Thermostat<Midpoint>, _>(&heated, start, 0.05);
+    let rotors = Rotors { j: 3e3 };
+    let starts = (0..6).map(|path| {
+        let scale = |list: &[f64]| list.iter().map(|x| 0.3 * f64::from(path) * x).collect::<Vec<_>>();
+        State::new(scale(&q), scale(&p))
+    });
+    let starts: Vec<_> = starts.collect();
+    let run = rotors.ensemble::<Gauss<4>>(0.05).starts_from(starts.clone()).steps(6);
+    let run = run.record_every(6).keep_paths(1 << 20).run().unwrap();
+    // Some of these steps are hard.
+    for (path, mut state) in starts.into_iter().enumerate() {
+        let mut stepper = rotors.stepper::<Gauss<4>>(0.05).unwrap().plain();
+        (0..6).for_each(|_| assert!(stepper.step(&mut state, &[]).is_ok()));
+        let kept = run.paths().and_then(|paths| paths.at(path, 1)).unwrap();
+        assert_eq!(kept[..26], numbers(&state), "path {path}");
+    }
 }
