@@ -112,7 +112,7 @@ fn systems(words: &[&str]) -> String {
 }
 
 #[test]
-#[ignore = "calls Cargo, for minutes: part of .ci/run"]
+#[ignore = "calls Cargo, for minutes: part of .ci/release"]
 fn generated_code_depends_on_nothing_around_it() {
     let words = golden_words();
     let text = systems(&words.iter().map(String::as_str).collect::<Vec<_>>());

@@ -92,7 +92,7 @@ fn build(name: &str, source: &str) -> PathBuf {
 }
 
 #[test]
-#[ignore = "calls Cargo, for minutes: part of .ci/run"]
+#[ignore = "calls Cargo, for minutes: part of .ci/release"]
 fn a_deterministic_binary_holds_no_random_number_generator() {
     let bytes = std::fs::read(build("lean_pendulum", DETERMINISTIC)).unwrap();
     let holds = |word: &str| bytes.windows(word.len()).any(|window| window == word.as_bytes());

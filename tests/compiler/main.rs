@@ -1,6 +1,6 @@
 //! The compiler from outside: what it accepts, what it says, what it emits, what a build holds, and the documents.
 //!
-//! Tests that call Cargo are ignored; `.ci/run` calls them with `cargo test --workspace --test compiler -- --include-ignored`.
+//! Tests that call Cargo are ignored: `.ci/run` calls `ui`, `.ci/release` the others. `cargo test --workspace --test compiler -- --include-ignored` runs all.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]

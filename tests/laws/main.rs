@@ -2,16 +2,16 @@
 //!
 //! `cargo test --workspace --release --test laws` runs them; other builds say that they are skipped, and Clippy reads them.
 //!
-//! The feature `short` leaves out what takes longest, for `.ci/run`: statistics of series, heat fluxes, rare events, several levels, and long runs.
+//! The feature `short` leaves out what takes longest, for `.ci/run`: baths, branches, statistics of series, heat fluxes, rare events, several levels, and long runs.
 //!
 //! Ensembles ask for eight lanes: code for the lanes of every machine takes a seventh longer to compile, and has the same results.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod bath;
-#[cfg(any(clippy, not(debug_assertions)))]
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod branches;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod brouwer;
