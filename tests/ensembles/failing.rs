@@ -4,6 +4,7 @@ use std::any::type_name;
 use std::collections::BTreeSet;
 
 use fixtures::stepped::stepped;
+use fixtures::steps::numbers;
 use wzvi::bath::{A, B, O};
 use wzvi::prelude::*;
 use wzvi::state::Vector;
@@ -107,6 +108,12 @@ where
             let halved = replayed.iterations().halved;
             assert!(halved == 0 || hard.contains(&path), "{what}: path {path}");
             arrived += usize::from(halved > 0 && !failed.contains(&path));
+            // Where steps were halved, too, a lane goes on as the path that is replayed.
+            for (node, state) in replayed.states().iter().enumerate() {
+                let (kept, state) =
+                    (lanes.paths().and_then(|paths| paths.at(path as usize, node)), numbers(state));
+                assert_eq!(kept.unwrap()[..state.len()], state, "{what}: path {path}, node {node}");
+            }
             if halved == 0 {
                 let single = stepped::<E, S>(system, H, start(path), Wiener::seed(3).path(path), STEPS);
                 assert_eq!(replayed.states(), single.nodes, "{what}: path {path}");

@@ -44,3 +44,16 @@ fn rare_events_take_no_more_than_twice_the_paths_of_a_multilevel_run() {
     let allowed = 0.75_f64.sqrt() * target;
     assert!(estimate.error_bound() > 0.25 * allowed, "{} {allowed}", estimate.error_bound());
 }
+
+/// A coarser path has the noise of the finer one: momenta that are Wiener processes are the same on both.
+#[test]
+fn coarse_paths_have_the_noise_of_fine_ones() {
+    let run = WALKER.multilevel::<Midpoint>(0.25).start(State::new([0.0], [0.0])).until(1.0).seed(3);
+    let estimate = run.observe("p", |state| state.p[0]).target(0.1).run().expect("an estimate");
+    let [coarsest, finer @ ..] = estimate.levels() else { panic!("{estimate}") };
+    assert!(coarsest.variance() > 0.5 && !finer.is_empty(), "{estimate}");
+    for level in finer {
+        // A dozen roundings of numbers up to 4.
+        assert!(level.variance().sqrt() < 1e-14, "{estimate}");
+    }
+}

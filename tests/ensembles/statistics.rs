@@ -505,6 +505,22 @@ fn rates_allow_for_censoring() {
     assert!(long.rate() > 0.0 && long.rate_error() < 0.05 * long.rate(), "{long:?}");
 }
 
+/// With a noise, sections beside the events of a run change none of its passages.
+#[test]
+fn passages_are_the_same_beside_sections() {
+    let run = || {
+        let run = Kramers { s: 0.6 }.ensemble::<Midpoint>(0.05).start(State::new([-1.0], [0.0])).paths(40);
+        run.seed(3)
+            .until(8.0)
+            .first_passage("over", |state| state.q[0])
+            .first_passage("up", |state| state.q[0] + 0.5)
+    };
+    let [alone, beside] = [run(), run().section(|state| state.p[0]).section(|state| state.q[0] + 0.8)]
+        .map(|run| run.run().unwrap());
+    assert!(alone.passages().iter().all(|passages| passages.passed() > 0));
+    assert_eq!(format!("{:?}", beside.passages()), format!("{:?}", alone.passages()));
+}
+
 /// Two points in a plane, each in a well of its own.
 #[hamiltonian(
     drift = |q: [[f64; 2]; 2], p: [[f64; 2]; 2]| (0..2)

@@ -427,6 +427,24 @@ mod tests {
         assert!(sign([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 10.0]]));
     }
 
+    /// Any solution has derivatives, also one where the determinant is negative: in lanes as alone.
+    #[test]
+    fn matrices_of_any_sign_are_solved_in_lanes() {
+        let upright = [[2.0, 1.0, 0.0], [1.0, 3.0, 1.0], [0.0, 1.0, 4.0]];
+        let reversed = [upright[1], upright[0], upright[2]];
+        let matrices = [upright, reversed];
+        let lanes = std::array::from_fn(|i| {
+            std::array::from_fn(|j| Lanes::new(matrices.map(|matrix: [[f64; 3]; 3]| matrix[i][j])))
+        });
+        let b = [1.0, -2.0, 0.5];
+        let x = FactoredMatrix::<Lanes<2>, 3>::new(lanes).unwrap().solve(b.map(Lanes::<2>::from_f64));
+        for (lane, matrix) in matrices.into_iter().enumerate() {
+            let alone = Factor::new(matrix).unwrap();
+            assert_eq!(alone.is_reversed(), lane == 1);
+            assert_eq!(x.map(|x| x[lane]), alone.solve(b));
+        }
+    }
+
     #[test]
     fn rows_of_very_different_size_are_no_singularity() {
         let matrix = [[1e-120, 2e-120], [3e120, 4e120]];

@@ -126,6 +126,7 @@ mod tests {
     use super::Extrapolation;
     use crate::algebra::lanes::{LaneMask, Lanes};
     use crate::algebra::scalar::Mask as _;
+    use crate::ground::numbers::{Numbers as _, Tape};
 
     #[test]
     fn extrapolation_is_exact_for_a_parabola() {
@@ -135,6 +136,32 @@ mod tests {
         }
         assert_eq!(memory.guess::<true>(), [9.0]);
         assert_eq!(memory.guess::<false>(), [0.0]);
+    }
+
+    /// The words of a memory after any number of steps give the same start of the next steps, in lanes that
+    /// remember different numbers of steps as well.
+    #[test]
+    fn words_have_all_steps_that_are_known() {
+        let words = |memory: &mut Extrapolation<f64, 1>| Tape::write(|tape| memory.pass(tape));
+        let solution = |step: u32| [(0.7 * f64::from(step)).exp()];
+        let mut of_lanes = Vec::new();
+        for steps in 0..5 {
+            let mut memory = Extrapolation::<f64, 1>::default();
+            (0..steps).for_each(|step| memory.record::<true>(solution(step)));
+            let mut read = Extrapolation::<f64, 1>::default();
+            Tape::read(words(&mut memory), |tape| read.pass(tape)).unwrap();
+            of_lanes.push(words(&mut memory));
+            for step in steps..8 {
+                assert_eq!(read.guess::<true>(), memory.guess::<true>(), "after {steps} steps, at {step}");
+                read.record::<true>(solution(step));
+                memory.record::<true>(solution(step));
+            }
+        }
+        let mut together = Extrapolation::<Lanes<5>, 1>::default();
+        Tape::join(of_lanes.clone(), |tape| together.pass(tape)).unwrap();
+        for (lane, words) in of_lanes.into_iter().enumerate() {
+            assert_eq!(Tape::split(lane, |tape| together.pass(tape)), words, "lane {lane}");
+        }
     }
 
     /// A path that takes only some of the steps of those beside it remembers those, to the last bit.

@@ -55,3 +55,21 @@ impl<S: Scalar> Numbers for PastUnknowns<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::PastUnknowns;
+    use crate::ground::numbers::{Numbers as _, Tape};
+
+    /// The words have the steps that are known, and their number.
+    #[test]
+    fn words_have_all_steps_that_are_known() {
+        let mut past = PastUnknowns::<f64>::default();
+        for steps in 0_u8..5 {
+            let mut read = PastUnknowns::default();
+            Tape::read(Tape::write(|tape| past.pass(tape)), |tape| read.pass(tape)).unwrap();
+            assert_eq!((read.known, &read.lists), (steps.min(3), &past.lists));
+            past.record(&[f64::from(steps), -0.5]);
+        }
+    }
+}
