@@ -71,7 +71,7 @@ fn pow(x: f64, y: f64) -> f64 {
     let cube = s_high * square_high;
     let lost = ((whole - log_high) + s_high * C_HIGH) + cube * THIRD_HIGH;
 
-    // What is left of C s and of C s³/3; the derivative by s for its second part; the other terms.
+    // The remainders of C s and of C s³/3, the slope of their sum for the second part of s, and other terms.
     let left = (s_high * C_LOW + cube * THIRD_LOW) + (s_high * THIRD) * (square - square_high);
     let slope = C + (s_high * (s_high + s) + z) * THIRD;
     let w = z * z;
