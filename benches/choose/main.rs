@@ -112,13 +112,17 @@ cases! {
     chains: Chain4 4, Chain6 6, Chain8 8, Chain12 12, Chain16 16, Chain17 17, Chain24 24;
 }
 
-/// Some steps, from places on a helix.
+/// Some steps, from places on a helix that turns, so that bodies meet softly.
 fn run<E, H: Discretized<E>>(system: &H, degrees: usize, steps: usize) {
     let mut stepper = system.stepper::<E>(self::H).unwrap();
     let mut state = State { q: H::Vector::zeros(degrees), p: H::Vector::zeros(degrees), t: 0.0 };
     for (i, q) in state.q.components_mut().iter_mut().enumerate() {
         let angle = (i / 3) as f64;
         *q = [angle.cos(), angle.sin(), 0.3 * angle][i % 3];
+    }
+    for (i, p) in state.p.components_mut().iter_mut().enumerate() {
+        let angle = (i / 3) as f64;
+        *p = [-angle.sin(), angle.cos(), 0.0][i % 3] * 3.0 / degrees as f64;
     }
     for _ in 0..steps {
         black_box(stepper.step(&mut state, &[]).unwrap());
