@@ -81,14 +81,14 @@ fn sine(x: f64) -> f64 {
 
 /// Nodes, weights, `(A²)_ij / b_j` and the matrix of the prediction, both by columns.
 pub(crate) struct Coefficients<const S: usize> {
-    c: [f64; S],
-    b: [f64; S],
-    eta: [[f64; S]; S],
-    kappa: [[f64; S]; S],
+    pub(crate) c: [f64; S],
+    pub(crate) b: [f64; S],
+    pub(crate) eta: [[f64; S]; S],
+    pub(crate) kappa: [[f64; S]; S],
 }
 
 /// `P_0(y) ... P_{s+1}(y)`
-fn legendre(y: f64, s: usize) -> Vec<f64> {
+pub(crate) fn legendre(y: f64, s: usize) -> Vec<f64> {
     let mut p = vec![1.0, y];
     for k in 1..=s {
         let n = k as f64;
@@ -161,7 +161,7 @@ fn product<const S: usize, const IS_FUSED: bool>(matrix: &[[f64; S]; S], list: &
 }
 
 /// The next sweep changes no more than this fraction of a rounding, as in the library: with a fiftieth the energy drifts.
-const UNSEEN: f64 = 1e-6;
+pub(crate) const UNSEEN: f64 = 1e-6;
 
 /// What a run ends with: coordinates, momenta, sweeps.
 pub(crate) type End<const D: usize> = ([f64; D], [f64; D], u64);
@@ -269,7 +269,7 @@ impl<F: Force<D>, const D: usize, const S: usize, const IS_FUSED: bool> Kernel
 
 /// The sum, and what rounding takes from it.
 #[inline(always)]
-fn added(base: f64, increment: f64) -> (f64, f64) {
+pub(crate) fn added(base: f64, increment: f64) -> (f64, f64) {
     let sum = base + increment;
     (sum, increment - (sum - base))
 }
