@@ -370,8 +370,8 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     }
 }
 
-/// Adds the derivatives of a step Hamiltonian `T(p) + V(q)` by `state`, the coordinates or the momenta. Unless
-/// `EXACT`, numbers `f64` are those that vectorised functions cover, and NaN beyond.
+/// Adds the derivatives of a step Hamiltonian `T(p) + V(q)` by `state`, the coordinates or the momenta.
+/// Unless `EXACT`, numbers `f64` are those that vectorised functions cover, and NaN beyond.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn add_gradient<H: Elements, S: Scalar, const EXACT: bool>(
     system: &H,

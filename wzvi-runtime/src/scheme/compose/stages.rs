@@ -158,7 +158,7 @@ pub struct SplittingMemory<S: Scalar, H: Shape> {
 pub(crate) struct KeptForce<S: Scalar, H: Shape> {
     /// Its time and step size.
     origin: Option<ForceTime>,
-    /// The same with the derivatives that numbers carry.
+    /// Time and step size with the derivatives that numbers carry.
     carried: [S; 2],
     /// `origin` in a step that begins at the coordinates where the force acted.
     usable: Option<ForceTime>,
@@ -208,7 +208,7 @@ pub(crate) struct SplittingLists<'a, S: Scalar, H: Shape> {
 /// The lists of a step other than the state.
 #[derive(Debug)]
 pub(crate) struct SplittingRooms<S: Scalar, H: Shape> {
-    /// What rounding took from the coordinates and from the momenta.
+    /// The rounding errors of the coordinates and of the momenta.
     pub(crate) lost_q: DegreeList<S, H>,
     pub(crate) lost_p: DegreeList<S, H>,
     /// The increments of the momenta.

@@ -15,9 +15,9 @@ use crate::scheme::elements::{
 use crate::scheme::gauss::Field;
 use crate::scheme::system::check_lengths;
 
-/// Degrees of freedom from which paths of an ensemble are stepped one after the other: 16 paths in lanes exceed the first-level cache (each
-/// of some ten lists has 128 bytes for a degree of freedom). Measured for chains of 96 to 16 384 sites, both
-/// take the same time at 128 (`Baoab`) and 256 (`Verlet`).
+/// Degrees of freedom from which paths of an ensemble are stepped one after the other: 16 paths in lanes
+/// exceed the first-level cache (each of some ten lists has 128 bytes for a degree of freedom). Measured for
+/// chains of 96 to 16 384 sites, both take the same time at 128 (`Baoab`) and 256 (`Verlet`).
 const LEAST_SCALAR: usize = 256;
 
 /// Degrees of freedom from which paths are stepped one after the other.

@@ -46,8 +46,8 @@ use crate::scheme::system::Movable;
 /// is a single tile anyway.
 pub const LEAST_IN_TILES: usize = 96;
 
-/// Degrees of freedom up to which kicks and drifts go over the whole state at once: it is a single tile, and a
-/// step in tiles has an overhead of some 150 ns. Measured for chains of 8 to 512 sites, with and without
+/// Degrees of freedom up to which kicks and drifts go over the whole state at once: it is a single tile, and
+/// a step in tiles has an overhead of some 150 ns. Measured for chains of 8 to 512 sites, with and without
 /// functions and baths; at 512 both take the same time.
 pub(crate) const MOST_IN_ONE: usize = SIZE;
 
