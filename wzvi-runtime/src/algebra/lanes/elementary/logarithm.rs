@@ -19,9 +19,9 @@ pub(super) fn is_normal_and_positive(x: f64) -> bool {
     (f64::MIN_POSITIVE..f64::INFINITY).contains(&x)
 }
 
-/// `f²/2` and `s (f²/2 + R)` for f and `2 + f`
+/// `f²/2` and `s (f²/2 + R) + tail` for f and `2 + f`
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn series(f: f64, sum: f64) -> (f64, f64) {
+fn series(f: f64, sum: f64, tail: f64) -> (f64, f64) {
     const L: [f64; 7] = [
         6.666_666_666_666_735e-1,
         3.999_999_999_940_942e-1,
@@ -38,7 +38,7 @@ fn series(f: f64, sum: f64) -> (f64, f64) {
     let low = (L[0] + z * L[1]) + w * (L[2] + z * L[3]);
     let high = (L[4] + z * L[5]) + w * L[6];
     let half = 0.5 * f * f;
-    (half, s * half + (s * z) * (low + (w * w) * high))
+    (half, (s * half + tail) + (s * z) * (low + (w * w) * high))
 }
 
 /// `ln x` of a positive normal number.
@@ -60,8 +60,8 @@ pub(crate) fn ln_shifted(x: f64, shift: f64) -> f64 {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn of_parts(k: f64, mantissa: f64) -> f64 {
     let f = mantissa - 1.0;
-    let (half, rest) = series(f, 1.0 + mantissa);
-    k * LN2_HIGH - (((half - k * LN2_LOW) - rest) - f)
+    let (half, rest) = series(f, 1.0 + mantissa, k * LN2_LOW);
+    k * LN2_HIGH - ((half - rest) - f)
 }
 
 /// `ln(1 + x)` for `-1 < x < 1e300`.
@@ -76,8 +76,8 @@ pub(super) fn ln_1p(x: f64) -> f64 {
     let k = select(is_near, 0.0, k);
     let lost = select(is_near, 0.0, lost);
     let f = select(is_near, x, mantissa - 1.0);
-    let (half, rest) = series(f, 2.0 + f);
-    let y = k * LN2_HIGH - (((half - (k * LN2_LOW + lost)) - rest) - f);
+    let (half, rest) = series(f, 2.0 + f, k * LN2_LOW + lost);
+    let y = k * LN2_HIGH - ((half - rest) - f);
     // The sign of zero.
     select(x == 0.0, x, y)
 }
@@ -86,7 +86,7 @@ pub(super) fn ln_1p(x: f64) -> f64 {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn split(m: f64) -> (f64, f64) {
     let f = m - 1.0;
-    let (half, rest) = series(f, 1.0 + m);
+    let (half, rest) = series(f, 1.0 + m, -0.0);
     let upper = high(f - half);
     (upper, ((f - upper) - half) + rest)
 }
