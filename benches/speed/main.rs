@@ -233,7 +233,17 @@ fn main() {
     row::<KickDriftKick<Ring>, Nystrom<Ring, 8>>(&ring, "Verlet", size, &|size, steps| {
         ensemble::<Verlet, _>(&ring, size, steps)
     });
-    separable(&Chain { beta: 0.25 }, 1000);
+    let chain = Chain { beta: 0.25 };
+    for degrees in [24, 48, 96, 256] {
+        let size = Size { degrees, paths: 1 };
+        row::<KickDriftKick<Chain>, Nystrom<Chain, 8>>(&chain, "Verlet", size, &|size, steps| {
+            one_path::<Verlet, _>(&chain, size, steps)
+        });
+        row::<Nystrom<Chain, 1>, Nystrom<Chain, 8>>(&chain, "Midpoint", size, &|size, steps| {
+            one_path::<Midpoint, _>(&chain, size, steps)
+        });
+    }
+    separable(&chain, 1000);
     separable(&Lattice { side: 32 }, 1024);
     separable(&Bodies { g: 0.1, softening: 0.01 }, 192);
     separable(&Rotors { coupling: 1.0 }, 1000);

@@ -463,7 +463,7 @@ impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> PartsInTurn<
                 kept.q.as_mut().copy_from_slice(q);
             }
             first_p.as_mut().copy_from_slice(p);
-            SplittingLists { q: &mut **q, p: &mut **p, rooms }
+            SplittingLists { q, p, rooms }
         };
         if C::CARRIES {
             let SplittingRooms { lost_q, lost_p, .. } = &mut *lists.rooms;

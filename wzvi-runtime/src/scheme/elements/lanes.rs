@@ -114,6 +114,9 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
 /// Corrections of zero where equations are solved.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn hold<S: Scalar>(corrections: &mut [S], solved: S::Mask) {
+    if !solved.any() {
+        return;
+    }
     for correction in corrections {
         *correction = S::select(solved, S::from_f64(0.0), *correction);
     }
@@ -122,17 +125,50 @@ pub(super) fn hold<S: Scalar>(corrections: &mut [S], solved: S::Mask) {
 /// [`subtract`](super::passes::subtract) of each path.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn subtract_in_lanes<S: Scalar>(kind: Unknowns, x: &mut [S], corrections: &[S]) -> S {
-    let zero = S::from_f64(0.0);
-    let (mut sizes, mut zeros) = ([[zero; 2]; 2], zero);
-    for (k, (x, &correction)) in x.iter_mut().zip(corrections).enumerate() {
-        *x = *x - correction;
-        let own = &mut sizes[if kind == Unknowns::Both { k % 2 } else { 0 }];
-        for (most, number) in own.iter_mut().zip([*x, correction]) {
-            *most = S::select(most.less(number.abs()), number.abs(), *most);
+    let [mut first, mut second] = [LargestInLanes::<S>::none(), LargestInLanes::none()];
+    if kind == Unknowns::Both {
+        let pairs = x.as_chunks_mut().0.iter_mut().zip(corrections.as_chunks().0);
+        for ([u, v], &[of_u, of_v]) in pairs {
+            first.correct(u, of_u);
+            second.correct(v, of_v);
         }
-        // A maximum may lose a number that is not finite.
-        zeros = zeros + correction * 0.0;
+    } else {
+        for (x, &correction) in x.iter_mut().zip(corrections) {
+            first.correct(x, correction);
+        }
     }
-    let [first, second] = sizes.map(|[size, change]| change / (size + f64::MIN_POSITIVE));
+    let (zeros, [first, second]) = (first.zeros + second.zeros, [first.relative(), second.relative()]);
     S::select(first.less(second), second, first) + zeros
+}
+
+/// The largest unknown of a kind, and the largest correction. One variable for each, which stays in registers.
+struct LargestInLanes<S> {
+    size: S,
+    change: S,
+    /// NaN after a correction that is not finite, which a maximum may lose; else zero.
+    zeros: S,
+}
+
+impl<S: Scalar> LargestInLanes<S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn none() -> Self {
+        let zero = S::from_f64(0.0);
+        Self { size: zero, change: zero, zeros: zero }
+    }
+
+    /// Subtracts the correction of an unknown, and includes both.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn correct(&mut self, x: &mut S, correction: S) {
+        let moved = *x - correction;
+        *x = moved;
+        let (size, change) = (moved.abs(), correction.abs());
+        self.size = S::select(self.size.less(size), size, self.size);
+        self.change = S::select(self.change.less(change), change, self.change);
+        self.zeros = self.zeros + correction * 0.0;
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn relative(&self) -> S {
+        self.change / (self.size + f64::MIN_POSITIVE)
+    }
 }
