@@ -141,7 +141,8 @@ pub(super) fn subtract_in_lanes<S: Scalar>(kind: Unknowns, x: &mut [S], correcti
     S::select(first.less(second), second, first) + zeros
 }
 
-/// The largest unknown of a kind, and the largest correction. One variable for each, which stays in registers.
+/// The largest unknown of a kind, and the largest correction. One variable for each, which stays in
+/// registers.
 struct LargestInLanes<S> {
     size: S,
     change: S,
