@@ -70,8 +70,7 @@ pub(crate) use passes::are_finite;
 pub use quadrature::{Linearity, MomentumUpdate, Quadrature, QuadraturePoint, Unknowns};
 pub(crate) use step::nothing;
 pub use sums::{AdjacentSums, ElementInput, Sums, disjoint_placements, stretch};
-pub(crate) use tiles::BLOCK;
-pub(crate) use tiles::MOST_IN_ONE;
+pub(crate) use tiles::{BLOCK, MOST_IN_ONE_TILE};
 pub use tiles::{Flow, ForceArguments, KickForm, LEAST_IN_TILES, Move, NewState, TilePlan, Word, take_tiles};
 
 use std::ops::Range;

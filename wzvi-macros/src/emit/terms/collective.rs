@@ -121,9 +121,9 @@ impl ElementEmitter<'_> {
 
 /// The collective variables of a part that follow the state.
 struct PartVariables {
-    /// Those on which its first derivatives depend, by number.
+    /// The variables on which its first derivatives depend, by number.
     all: Vec<CollectiveSlot>,
-    /// Those that its first derivatives read themselves.
+    /// The variables that its first derivatives read themselves.
     read: Vec<CollectiveSlot>,
 }
 

@@ -404,7 +404,7 @@ pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, A>(
     if const { H::IS_FIXED || !S::MAY_BE_F64 } || S::as_f64s(step.q).is_none() {
         return step.take::<true>();
     }
-    instructions.run(InInstructions(&mut step)).or_else(|failure| step.take_exactly(failure))
+    instructions.run(&mut step).or_else(|failure| step.take_exactly(failure))
 }
 
 /// The parts of a step, and what they read and change.
@@ -419,16 +419,14 @@ struct PartsInTurn<'a, S: Scalar, C, H: Shape, A, P> {
 }
 
 /// The step in the vector instructions of the machine, and in numbers that vectorised functions cover.
-struct InInstructions<'s, 'a, S: Scalar, C, H: Shape, A, P>(&'s mut PartsInTurn<'a, S, C, H, A, P>);
-
 impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> Kernel
-    for InInstructions<'_, '_, S, C, H, A, P>
+    for &mut PartsInTurn<'_, S, C, H, A, P>
 {
     type Output = Result<Effort, StepFailure>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
-        self.0.take::<false>()
+        self.take::<false>()
     }
 }
 
@@ -445,7 +443,7 @@ impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> PartsInTurn<
     }
 
     /// Vectors are changed in place, with a copy that undoes a step that fails; arrays are copied first, and
-    /// stay in registers.
+    /// stay in registers. All lists have the length of the state, which [`take_parts`] has checked.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const EXACT: bool>(&mut self) -> Result<Effort, StepFailure> {
         let Self { flows, stages, q, p, dw, memory, carry } = self;

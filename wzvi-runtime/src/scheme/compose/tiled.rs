@@ -9,7 +9,7 @@ use crate::algebra::scalar::Number;
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::bath::OPartsByPlace;
 use crate::scheme::elements::{
-    ElementInput, Elements, Flow, ForceArguments, KickForm, MOST_IN_ONE, Move, NewState, Partials, Sums,
+    ElementInput, Elements, Flow, ForceArguments, KickForm, MOST_IN_ONE_TILE, Move, NewState, Partials, Sums,
     TilePlan, Word, add_flow,
 };
 use crate::scheme::gauss::Field;
@@ -28,7 +28,7 @@ pub(crate) const fn least_scalar<F: Field>() -> usize {
 /// Whether steps of a system of this size go tile by tile.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn takes_tiles<F: Field>(degrees: usize) -> bool {
-    F::FACTS.has_tiles && degrees > MOST_IN_ONE
+    F::FACTS.has_tiles && degrees > MOST_IN_ONE_TILE
 }
 
 /// Tiles, and the increments of each part of a step.

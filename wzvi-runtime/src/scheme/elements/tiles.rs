@@ -48,8 +48,9 @@ pub const LEAST_IN_TILES: usize = 96;
 
 /// Degrees of freedom up to which kicks and drifts go over the whole state at once: it is a single tile, and
 /// a step in tiles has an overhead of some 150 ns. Measured for chains of 8 to 512 sites, with and without
-/// functions and baths; at 512 both take the same time.
-pub(crate) const MOST_IN_ONE: usize = SIZE;
+/// functions and baths; at 512 both take the same time. `cargo bench --workspace --bench speed -- chain`,
+/// with this constant and with zero, shows it for those without.
+pub(crate) const MOST_IN_ONE_TILE: usize = SIZE;
 
 /// Number of places of a tile. Five slices of this length are in use at a time: forces, and both halves of
 /// the state before and after.
