@@ -54,7 +54,7 @@ const _: () = {
         compose::General,
         elements::{
             AdjacentSums, ElementInput, Elements, EvaluationPoint, InLoops, Loops,
-            MomentumUpdate, Pair, Partials, Quadrature, QuadraturePoint, Row, Sums,
+            MomentumUpdate, Pair, Partials, Quadrature, QuadraturePoint, Role, Row, Sums,
             Unknowns,
         },
         elements::places::{
@@ -162,14 +162,14 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let g = at.parameter(0, self.g);
             let size = (at.degrees() / 2) as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
@@ -230,7 +230,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -240,8 +240,8 @@ const _: () = {
             use AdjacentSums as _;
             let g = at.parameter(0, self.g);
             let size = (at.degrees() / 2) as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<2, _>(0, size, [0]) {
@@ -330,7 +330,7 @@ const _: () = {
             quadrature: Quadrature {
                 unknowns: Unknowns::None,
                 ..Quadrature::new(
-                    &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                    &[QuadraturePoint::new([0.0, 1.0, 0.0], &[Role::Drift.times(1.0)])],
                     MomentumUpdate::Multiple(1.0),
                 )
             },
@@ -340,9 +340,9 @@ const _: () = {
     impl Conservative for Bodies {}
     wzvi::bindings! {
         at b0 by_p by_q difference difference2 factor first0 first1 g i0 i1 i2 index
-        inverse len list mass_i mass_j outer p_2i p_2i_plus_1 part partials place points0
+        inverse len list mass_i mass_j outer p_2i p_2i_plus_1 partials place points0
         points1 product product2 product3 product4 q_2i q_2i_plus_1 q_2j q_2j_plus_1
-        range s2 s5 size sum table total weight
+        range role s2 s5 size sum table total weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -42,7 +42,7 @@ const _: () = {
         compose::Nystrom,
         elements::{
             ElementInput, Elements, EvaluationPoint, FieldAt, HessianBlock, PairColumns,
-            Partials, Sums,
+            Partials, Role, Sums,
         },
         embedding::Baoab, gauss::{Field, Fixed},
     };
@@ -52,8 +52,9 @@ const _: () = {
             conserves_energy: Knowledge::Refuted,
             is_damped: true,
             bath: Some(Friction {
+                is_heated: true,
                 is_matrix: true,
-                ..Friction::new(3, Some(4))
+                ..Friction::ALONE
             }),
             ..Facts::autonomous(2)
         };
@@ -73,14 +74,14 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let m = at.parameter(0, self.m);
             let kt = at.parameter(2, self.kt);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let inverse_m = S::of_constant(m.recip());
                     let x = at.q[0];
                     let y = at.q[1];
@@ -92,7 +93,7 @@ const _: () = {
                         + difference_squared * difference_squared * 0.25)
                         * S::of_constant(at.h)
                 }
-                4 => {
+                Role::Temperature => {
                     let kt = S::of_constant(kt);
                     kt * S::of_constant(at.h)
                 }
@@ -103,7 +104,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -111,8 +112,8 @@ const _: () = {
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             let m = at.parameter(0, self.m);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let inverse_m = T::of_constant(m.recip());
                         let factor = T::of_constant(at.h);
@@ -136,15 +137,15 @@ const _: () = {
         }
         fn hessian<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
             partials: Partials,
             into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
         ) {
             let gamma = at.parameter(1, self.gamma);
-            match part {
-                3 => {
+            match role {
+                Role::Friction => {
                     if partials.by_q {
                         let gamma = S::of_constant(gamma);
                         let factor = S::of_constant(at.h);
@@ -209,8 +210,8 @@ const _: () = {
     }
     wzvi::bindings! {
         at by_p by_q coordinates difference difference_squared factor gamma h increments
-        index into inverse_m kt lift m minus minus2 momenta parameters part partials
-        product px py t weight x y
+        index into inverse_m kt lift m minus minus2 momenta parameters partials product
+        px py role t weight x y
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -47,7 +47,7 @@ const _: () = {
         bool, f64, str, usize, compose::General,
         elements::{
             ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
-            Quadrature, QuadraturePoint, Sums,
+            Quadrature, QuadraturePoint, Role, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -62,14 +62,14 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let edge = at.parameter(0, self.edge);
             let stiffness = at.parameter(1, self.stiffness);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let condition = Scalar::less(
                         <S::Constant as Scalar>::from_f64(0.0),
                         stiffness,
@@ -93,7 +93,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -102,8 +102,8 @@ const _: () = {
         ) {
             let edge = at.parameter(0, self.edge);
             let stiffness = at.parameter(1, self.stiffness);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
@@ -187,7 +187,7 @@ const _: () = {
     impl StraightLine<Midpoint, 1, 0> for Wall {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Newton, 1, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[Role::Drift.times(1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = (Reals<4>, Truths<1>);
@@ -259,7 +259,7 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q carry condition condition2 coordinates delta_p delta_q difference
         edge effort factor h half_h half_stiffness increments index lift memory momenta
-        next node_p p part partials prepared product q stage_q stiffness t taken unknowns
+        next node_p p partials prepared product q role stage_q stiffness t taken unknowns
         weight
     }
 };

@@ -50,7 +50,7 @@ const _: () = {
         Scalar, Scheme, Sized, Some, bool, f64, isize, str, usize, compose::General,
         elements::{
             AdjacentSums, ElementInput, Elements, EvaluationPoint, HessianBlock, InLoops,
-            Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
+            Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint, Role, Sums,
         },
         elements::places::{Index, Nest, Places, Slot},
         embedding::Midpoint, gauss::Dynamic,
@@ -75,14 +75,14 @@ const _: () = {
         };
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
@@ -131,7 +131,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -141,8 +141,8 @@ const _: () = {
             use AdjacentSums as _;
             let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
@@ -196,7 +196,7 @@ const _: () = {
         }
         fn hessian<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
             partials: Partials,
@@ -204,8 +204,8 @@ const _: () = {
         ) {
             let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = S::of_constant(at.h);
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
@@ -283,7 +283,7 @@ const _: () = {
             quadrature: Quadrature {
                 remembers: true,
                 ..Quadrature::new(
-                    &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+                    &[QuadraturePoint::new([0.5, 0.5, 0.5], &[Role::Drift.times(1.0)])],
                     MomentumUpdate::Multiple(2.0),
                 )
             },
@@ -293,8 +293,8 @@ const _: () = {
     impl Conservative for Chain {}
     wzvi::bindings! {
         ahead at at1 b0 b1 beta by_p by_q carried1 difference difference_squared factor
-        first0 first1 i0 i1 index into len p_i part partials place product q0 q0_squared
-        q_i q_i_plus_1 quarter_beta s0 s1 size three_beta total weight
+        first0 first1 i0 i1 index into len p_i partials place product q0 q0_squared q_i
+        q_i_plus_1 quarter_beta role s0 s1 size three_beta total weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

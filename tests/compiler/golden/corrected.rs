@@ -50,7 +50,7 @@ const _: () = {
         usize, compose::General,
         elements::{
             ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
-            Quadrature, QuadraturePoint, Sums,
+            Quadrature, QuadraturePoint, Role, Sums,
         },
         embedding::{Corrected, DeltaPlus},
         gauss::Fixed,
@@ -74,24 +74,24 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let sigma = at.parameter(0, self.sigma);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let q = at.q[0];
                     let p = at.p[0];
                     (p * p + q * q) * 0.5 * S::of_constant(at.h)
                 }
-                1 if at.acting.contains(&0) => {
+                Role::Noise if at.acting.contains(&0) => {
                     let sigma = S::of_constant(sigma);
                     let q = at.q[0];
                     let p = at.p[0];
                     sigma * (q * p) * at.increment(0)
                 }
-                2 => {
+                Role::CounterTerm => {
                     let sigma_squared = S::of_constant(sigma * sigma);
                     let q = at.q[0];
                     let p = at.p[0];
@@ -104,7 +104,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -112,8 +112,8 @@ const _: () = {
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             let sigma = at.parameter(0, self.sigma);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
@@ -125,7 +125,7 @@ const _: () = {
                         by_q.add(0, q * factor);
                     }
                 }
-                1 if at.acting.contains(&0) => {
+                Role::Noise if at.acting.contains(&0) => {
                     if (partials.by_q || partials.by_p) {
                         let sigma = T::of_constant(sigma);
                         let factor = T::of(at.increment(0));
@@ -135,7 +135,7 @@ const _: () = {
                         by_p.add(0, sigma * (q * factor));
                     }
                 }
-                2 => {
+                Role::CounterTerm => {
                     if (partials.by_q || partials.by_p) {
                         let sigma_squared = T::of_constant(sigma * sigma);
                         let factor = T::of(at.increment(0)) * T::of(at.increment(0))
@@ -154,7 +154,16 @@ const _: () = {
     impl StraightLine<Corrected<DeltaPlus>, 1, 1> for Multiplicative {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 1, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0), (2, 0.5)])],
+            &[
+                QuadraturePoint::new(
+                    [0.0, 1.0, 0.0],
+                    &[
+                        Role::Drift.times(1.0),
+                        Role::Noise.times(1.0),
+                        Role::CounterTerm.times(0.5),
+                    ],
+                ),
+            ],
             MomentumUpdate::Multiple(1.0),
         );
         type Prepared = Reals<2>;
@@ -208,8 +217,8 @@ const _: () = {
     }
     wzvi::bindings! {
         at by_p by_q carry coordinates delta_p delta_q dw factor h half_sigma increments
-        index inverse_pivot lift memory momenta next node_p p part partials prepared
-        product product2 q sigma sigma_squared t weight
+        index inverse_pivot lift memory momenta next node_p p partials prepared product
+        product2 q role sigma sigma_squared t weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

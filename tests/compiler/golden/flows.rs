@@ -72,7 +72,7 @@ const _: () = {
         Some, bool, f64, str, usize, compose::{Form, Nystrom, Parted, WholeOf},
         elements::{
             CommonRange, ElementInput, Elements, EvaluationPoint, FieldAt, PairColumns,
-            Partials, Sums,
+            Partials, Role, Sums,
         },
         embedding::Verlet, gauss::{Field, Fixed},
     };
@@ -84,7 +84,7 @@ const _: () = {
                 reads_time: true,
                 ..Kind::AUTONOMOUS
             },
-            parts: Some((3, [Form::Quadratic, Form::Coordinates])),
+            summands: Some([Form::Quadratic, Form::Coordinates]),
             ..Facts::autonomous(1)
         };
         type Shape = Fixed<1>;
@@ -95,15 +95,15 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let omega = at.parameter(0, self.omega);
             let epsilon = at.parameter(1, self.epsilon);
             let t = at.t;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let product = S::of_constant(omega * omega * 0.5);
                     let product2 = S::of_constant(t.cos() * epsilon);
                     let q = at.q[0];
@@ -111,13 +111,13 @@ const _: () = {
                     ((product + q * product2) * (q * q) + p * p * 0.5)
                         * S::of_constant(at.h)
                 }
-                3 => {
+                Role::Summand(0) => {
                     let omega_squared = S::of_constant(omega * omega);
                     let q = at.q[0];
                     let p = at.p[0];
                     (p * p + omega_squared * (q * q)) * 0.5 * S::of_constant(at.h)
                 }
-                4 => {
+                Role::Summand(1) => {
                     let product = S::of_constant(t.cos() * epsilon);
                     let q = at.q[0];
                     product * (q * (q * q)) * S::of_constant(at.h)
@@ -129,7 +129,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -139,8 +139,8 @@ const _: () = {
             let omega = at.parameter(0, self.omega);
             let epsilon = at.parameter(1, self.epsilon);
             let t = at.t;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
@@ -154,7 +154,7 @@ const _: () = {
                         by_q.add(0, (omega_squared + q * product) * (q * factor));
                     }
                 }
-                3 => {
+                Role::Summand(0) => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
@@ -167,7 +167,7 @@ const _: () = {
                         by_q.add(0, omega_squared * (q * factor));
                     }
                 }
-                4 => {
+                Role::Summand(1) => {
                     if partials.by_q {
                         let product = T::of_constant(epsilon * 3.0 * t.cos());
                         let factor = T::of_constant(at.h);
@@ -234,7 +234,7 @@ const _: () = {
     }
     wzvi::bindings! {
         at by_p by_q coordinates epsilon factor h increments index k lift momenta omega
-        omega_squared p parameters part partials product product2 q t weight
+        omega_squared p parameters partials product product2 q role t weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -49,12 +49,12 @@ const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Block, ComputesWith, ConfigError, Constant, ConstantsIn,
         Discretized, Err, Extrapolation, Facts, FixedCompensatedSum, Inputs, Kind,
-        Knowledge, LiftParameter, None, Number, Ok, Option, Plan, Reals, Result, SVector,
+        Knowledge, LiftParameter, Number, Ok, Option, Plan, Reals, Result, SVector,
         Scalar, Scheme, Sized, Solution, Solver, Some, StateSum, StepFailure, Straight,
         StraightLine, bool, f64, str, usize, bath::Friction, compose::General,
         elements::{
             CommonRange, ElementInput, Elements, EvaluationPoint, MomentumUpdate,
-            Partials, Quadrature, QuadraturePoint, Sums,
+            Partials, Quadrature, QuadraturePoint, Role, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -68,7 +68,7 @@ const _: () = {
                 is_forced: true,
                 ..Kind::AUTONOMOUS
             },
-            bath: Some(Friction::new(4, None)),
+            bath: Some(Friction::ALONE),
             ..Facts::autonomous(1)
         };
         type Shape = Fixed<1>;
@@ -86,13 +86,13 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let scale = at.scale;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let inverse_scale = scale.recip();
                     let product = S::of_constant(inverse_scale * inverse_scale * 0.5);
                     let scale = S::of_constant(scale);
@@ -100,7 +100,7 @@ const _: () = {
                     let p = at.p[0];
                     scale * (product * (p * p) - q.cos()) * S::of_constant(at.h)
                 }
-                3 => S::from_f64(0.0),
+                Role::Force => S::from_f64(0.0),
                 _ => S::from_f64(0.0),
             }
         }
@@ -108,7 +108,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -119,8 +119,8 @@ const _: () = {
             let gamma = at.parameter(1, self.gamma);
             let t = at.t;
             let scale = at.scale;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let inverse_scale = scale.recip();
                         let product = T::of_constant(
@@ -137,14 +137,14 @@ const _: () = {
                         by_q.add(0, scale * (factor * q.sin()));
                     }
                 }
-                3 => {
+                Role::Force => {
                     if partials.by_q {
                         let product = T::of_constant((t * 2.0).cos() * scale * push);
                         let factor = T::of_constant(at.h);
                         by_q.add(0, -(factor * product));
                     }
                 }
-                4 => {
+                Role::Friction => {
                     if partials.by_q {
                         let gamma = T::of_constant(gamma);
                         let factor = T::of_constant(at.h);
@@ -187,7 +187,12 @@ const _: () = {
     impl StraightLine<Midpoint, 1, 0> for Driven {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Newton, 1, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0), (3, 1.0)])],
+            &[
+                QuadraturePoint::new(
+                    [0.5, 0.5, 0.5],
+                    &[Role::Drift.times(1.0), Role::Force.times(1.0)],
+                ),
+            ],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = Reals<9>;
@@ -274,9 +279,8 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q carry coordinates cos cos_stage_q delta_p delta_q effort exp exp_m1
         factor gamma h half_h increments index inverse_scale lift memory momenta next
-        node_p p parameters part partials prepared product product2 product3 product4
-        product5 push q quotient quotient2 scale sin_stage_q stage_q t taken unknowns
-        weight
+        node_p p parameters partials prepared product product2 product3 product4 product5
+        push q quotient quotient2 role scale sin_stage_q stage_q t taken unknowns weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

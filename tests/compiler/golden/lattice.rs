@@ -54,7 +54,7 @@ const _: () = {
         elements::{
             AdjacentSums, CommonRange, ElementInput, Elements, EvaluationPoint, InLoops,
             LEAST_IN_TILES, Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint,
-            Sums, Unknowns,
+            Role, Sums, Unknowns,
         },
         embedding::DeltaPlus, gauss::Dynamic,
     };
@@ -87,13 +87,13 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let k = at.parameter(0, self.k);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
@@ -154,7 +154,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -163,8 +163,8 @@ const _: () = {
         ) {
             use AdjacentSums as _;
             let k = at.parameter(0, self.k);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<2, _>(0, N as isize, [0])
@@ -282,7 +282,7 @@ const _: () = {
             quadrature: Quadrature {
                 unknowns: Unknowns::None,
                 ..Quadrature::new(
-                    &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                    &[QuadraturePoint::new([0.0, 1.0, 0.0], &[Role::Drift.times(1.0)])],
                     MomentumUpdate::Multiple(1.0),
                 )
             },
@@ -292,9 +292,9 @@ const _: () = {
     impl<const N: usize> Conservative for Lattice<{ N }> {}
     wzvi::bindings! {
         at b0 b1 b3 by_p by_q difference end factor first0 first1 from half_k i0 i1 index
-        k len most next p_2i p_2i_plus_1 part partials place points0 points1 points2
-        product product2 q_2_i_plus_1_mod_N q_2_i_plus_1_mod_N_plus_1 q_2i q_2i_plus_1
-        run sin skip skipped taken total until weight
+        k len most next p_2i p_2i_plus_1 partials place points0 points1 points2 product
+        product2 q_2_i_plus_1_mod_N q_2_i_plus_1_mod_N_plus_1 q_2i q_2i_plus_1 role run
+        sin skip skipped taken total until weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

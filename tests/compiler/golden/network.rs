@@ -52,7 +52,7 @@ const _: () = {
         elements::{
             AdjacentSums, CommonRange, ElementInput, Elements, EvaluationPoint, InLoops,
             Loops, MomentumUpdate, Pair, Partials, Placements, Quadrature,
-            QuadraturePoint, Sums, Unknowns,
+            QuadraturePoint, Role, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -179,13 +179,13 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let size = at.degrees() as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
@@ -230,7 +230,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -239,8 +239,8 @@ const _: () = {
         ) {
             use AdjacentSums as _;
             let size = at.degrees() as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
@@ -364,7 +364,7 @@ const _: () = {
             quadrature: Quadrature {
                 unknowns: Unknowns::None,
                 ..Quadrature::new(
-                    &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                    &[QuadraturePoint::new([0.0, 1.0, 0.0], &[Role::Drift.times(1.0)])],
                     MomentumUpdate::Multiple(1.0),
                 )
             },
@@ -374,8 +374,8 @@ const _: () = {
     impl Conservative for Network {}
     wzvi::bindings! {
         at b0 block by_p by_q entry factor few first first0 i0 i1 inner integer lane len
-        list list0 list1 o0 outer p_i part partials place product q_bonds_i_0 q_bonds_i_1
-        range s0 sin size slope0 slope1 strength_i table total weight
+        list list0 list1 o0 outer p_i partials place product q_bonds_i_0 q_bonds_i_1
+        range role s0 sin size slope0 slope1 strength_i table total weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

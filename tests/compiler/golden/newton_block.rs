@@ -48,10 +48,10 @@ const _: () = {
         ConstantsIn, Discretized, Extrapolation, Facts, Inputs, Labels, LiftParameter,
         Number, Ok, PlainSum, Plan, Reals, Result, SVector, Scalar, Scheme, Sized,
         Solution, Solver, StateSum, StepFailure, Straight, StraightLine, Variables, bool,
-        f64, str, usize, compose::General,
+        f64, str, compose::General,
         elements::{
             ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
-            Quadrature, QuadraturePoint, Sums,
+            Quadrature, QuadraturePoint, Role, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -71,12 +71,12 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let x = at.q[0];
                     let y = at.q[1];
                     let px = at.p[0];
@@ -94,15 +94,15 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let px = T::of(at.p[0]);
@@ -165,7 +165,7 @@ const _: () = {
     impl StraightLine<Midpoint, 2, 0> for HenonHeiles {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Newton, 2, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[Role::Drift.times(1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = Reals<3>;
@@ -232,7 +232,7 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q carry coordinates delta_px delta_py delta_x delta_y effort factor h
         h_squared half_h half_h_squared increments lift memory momenta next node_px
-        node_py part partials prepared product px py quarter_h_squared stage_x stage_y
+        node_py partials prepared product px py quarter_h_squared role stage_x stage_y
         sum t taken twice_stage_y unknowns weight x x_squared y y_squared
     }
 };

@@ -84,7 +84,7 @@ const _: () = {
         compose::General,
         elements::{
             ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
-            Quadrature, QuadraturePoint, Sums,
+            Quadrature, QuadraturePoint, Role, Sums,
         },
         embedding::{DeltaPlus, Midpoint, Uncorrected},
         gauss::Fixed,
@@ -93,7 +93,6 @@ const _: () = {
     impl Elements for Kubo {
         const FACTS: Facts = Facts {
             noise: NoiseClass::Multiplicative,
-            integrals: 3,
             ..Facts::autonomous(1)
         };
         type Shape = Fixed<1>;
@@ -110,26 +109,26 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let a = at.parameter(0, self.a);
             let sigma = at.parameter(1, self.sigma);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let half_a = S::of_constant(a * 0.5);
                     let q = at.q[0];
                     let p = at.p[0];
                     (p * p + q * q) * half_a * S::of_constant(at.h)
                 }
-                1 if at.acting.contains(&0) => {
+                Role::Noise if at.acting.contains(&0) => {
                     let half_sigma = S::of_constant(sigma * 0.5);
                     let q = at.q[0];
                     let p = at.p[0];
                     (p * p + q * q) * half_sigma * at.increment(0)
                 }
-                3 => {
+                Role::Integral(0) => {
                     let q = at.q[0];
                     let p = at.p[0];
                     p * p + q * q
@@ -141,7 +140,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -150,8 +149,8 @@ const _: () = {
         ) {
             let a = at.parameter(0, self.a);
             let sigma = at.parameter(1, self.sigma);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let a = T::of_constant(a);
                         let factor = T::of_constant(at.h);
@@ -165,7 +164,7 @@ const _: () = {
                         by_q.add(0, a * (q * factor));
                     }
                 }
-                1 if at.acting.contains(&0) => {
+                Role::Noise if at.acting.contains(&0) => {
                     if partials.by_p {
                         let sigma = T::of_constant(sigma);
                         let factor = T::of(at.increment(0));
@@ -187,7 +186,12 @@ const _: () = {
     impl StraightLine<Midpoint, 1, 1> for Kubo {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
+            &[
+                QuadraturePoint::new(
+                    [0.5, 0.5, 0.5],
+                    &[Role::Drift.times(1.0), Role::Noise.times(1.0)],
+                ),
+            ],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = Reals<2>;
@@ -244,7 +248,12 @@ const _: () = {
     impl StraightLine<Uncorrected<DeltaPlus>, 1, 1> for Kubo {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Explicit, 0, 1, false);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[QuadraturePoint::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0)])],
+            &[
+                QuadraturePoint::new(
+                    [0.0, 1.0, 0.0],
+                    &[Role::Drift.times(1.0), Role::Noise.times(1.0)],
+                ),
+            ],
             MomentumUpdate::Multiple(1.0),
         );
         type Prepared = Reals<2>;
@@ -298,8 +307,8 @@ const _: () = {
     }
     wzvi::bindings! {
         a a_h at by_p by_q carry coordinates delta_p delta_q dw factor h half_a
-        half_sigma increments index inverse_pivot lift memory momenta next node_p p part
-        partials prepared product q sigma sum sum2 t weight
+        half_sigma increments index inverse_pivot lift memory momenta next node_p p
+        partials prepared product q role sigma sum sum2 t weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

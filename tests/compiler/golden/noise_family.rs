@@ -55,7 +55,8 @@ const _: () = {
         usize, compose::General,
         elements::{
             AdjacentSums, ElementInput, Elements, EvaluationPoint, HessianBlock, InLoops,
-            Linearity, Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums,
+            Linearity, Loops, MomentumUpdate, Partials, Quadrature, QuadraturePoint,
+            Role, Sums,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         embedding::Midpoint, gauss::Dynamic,
@@ -108,14 +109,14 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let sigma = at.parameter(0, self.sigma);
             let size = at.degrees() as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let mut b0 = S::from_f64(0.0);
                     if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                         let first0 = i0 as usize;
@@ -129,7 +130,7 @@ const _: () = {
                     }
                     b0 * S::of_constant(at.h)
                 }
-                1 => {
+                Role::Noise => {
                     let sigma = S::of_constant(sigma);
                     let mut b0 = S::from_f64(0.0);
                     if let (i1, len @ 1..) = wzvi::elements::stretch(
@@ -154,7 +155,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -164,8 +165,8 @@ const _: () = {
             use AdjacentSums as _;
             let sigma = at.parameter(0, self.sigma);
             let size = at.degrees() as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
@@ -191,7 +192,7 @@ const _: () = {
                         }
                     }
                 }
-                1 => {
+                Role::Noise => {
                     if partials.by_q {
                         let sigma = T::of_constant(sigma);
                         let i1: isize = Ord::max(0, at.acting.start as isize);
@@ -220,15 +221,15 @@ const _: () = {
         }
         fn hessian<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
             partials: Partials,
             into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
         ) {
             let size = at.degrees() as isize;
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = S::of_constant(at.h);
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
@@ -273,15 +274,20 @@ const _: () = {
             quadrature: Quadrature {
                 linearity: Linearity::Constant,
                 ..Quadrature::new(
-                    &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
+                    &[
+                        QuadraturePoint::new(
+                            [0.5, 0.5, 0.5],
+                            &[Role::Drift.times(1.0), Role::Noise.times(1.0)],
+                        ),
+                    ],
                     MomentumUpdate::Multiple(2.0),
                 )
             },
         });
     }
     wzvi::bindings! {
-        at b0 by_p by_q factor first0 i0 i1 index into len outer p_i part partials place
-        q_i range s0 s1 sigma size table weight
+        at b0 by_p by_q factor first0 i0 i1 index into len outer p_i partials place q_i
+        range role s0 s1 sigma size table weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -56,7 +56,7 @@ const _: () = {
         Variables, bool, f64, str, usize, compose::General,
         elements::{
             ElementInput, Elements, EvaluationPoint, MomentumUpdate, Partials,
-            Quadrature, QuadraturePoint, Sums,
+            Quadrature, QuadraturePoint, Role, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -81,7 +81,7 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
@@ -89,8 +89,8 @@ const _: () = {
             let n = at.parameter(1, self.n);
             let k = at.parameter(2, self.k);
             let c = at.parameter(3, self.c);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let inverse_m = S::of_constant(m.recip());
                     let inverse_n = S::of_constant(n.recip());
                     let half_k = S::of_constant(k * 0.5);
@@ -111,7 +111,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -122,8 +122,8 @@ const _: () = {
             let n = at.parameter(1, self.n);
             let k = at.parameter(2, self.k);
             let c = at.parameter(3, self.c);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let inverse_m = T::of_constant(m.recip());
                         let inverse_n = T::of_constant(n.recip());
@@ -151,7 +151,7 @@ const _: () = {
     impl StraightLine<Midpoint, 2, 0> for Oscillators {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 2, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[Role::Drift.times(1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = (Reals<7>, Factored<2>);
@@ -240,8 +240,8 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q c carry coordinates delta_px delta_py delta_x delta_y factor factor_
         h half_h half_k increments index inverse_m inverse_n k lift m memory momenta n
-        next node_px node_py part partials prepared product product2 product3 px py
-        quotient quotient2 quotient3 quotient4 sum sum2 t weight x y
+        next node_px node_py partials prepared product product2 product3 px py quotient
+        quotient2 quotient3 quotient4 role sum sum2 t weight x y
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -48,7 +48,7 @@ const _: () = {
         f64, str, usize, compose::General,
         elements::{
             CommonRange, ElementInput, Elements, EvaluationPoint, MomentumUpdate,
-            Partials, Quadrature, QuadraturePoint, Sums,
+            Partials, Quadrature, QuadraturePoint, Role, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -63,13 +63,13 @@ const _: () = {
         }
         fn value<S: Scalar>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S>,
         ) -> S {
             let omega = at.parameter(0, self.omega);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     let omega_squared = S::of_constant(omega * omega);
                     let q = at.q[0];
                     let p = at.p[0];
@@ -82,7 +82,7 @@ const _: () = {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            part: usize,
+            role: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             partials: Partials,
@@ -90,8 +90,8 @@ const _: () = {
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             let omega = at.parameter(0, self.omega);
-            match part {
-                0 => {
+            match role {
+                Role::Drift => {
                     if partials.by_p {
                         let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
@@ -139,7 +139,7 @@ const _: () = {
     impl StraightLine<Midpoint, 1, 0> for Pendulum {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Newton, 1, 2, true);
         const QUADRATURE: Quadrature = Quadrature::new(
-            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+            &[QuadraturePoint::new([0.5, 0.5, 0.5], &[Role::Drift.times(1.0)])],
             MomentumUpdate::Multiple(2.0),
         );
         type Prepared = Reals<3>;
@@ -206,7 +206,7 @@ const _: () = {
     wzvi::bindings! {
         at by_p by_q carry coordinates cos_stage_q delta_p delta_q effort factor h half_h
         half_h_omega_squared increments index lift memory momenta next node_p omega
-        omega_squared p part partials prepared product q sin_stage_q stage_q t taken
+        omega_squared p partials prepared product q role sin_stage_q stage_q t taken
         unknowns weight
     }
 };

@@ -15,7 +15,8 @@
 
 use std::collections::HashMap;
 
-use super::quadrature::{Part, Quadrature, Stage};
+use super::quadrature::{Quadrature, Stage};
+use super::roles::Role;
 use crate::model::{Phase, StraightLine};
 use crate::symbolic::{Expr, Function, Graph, Rational, Symbol, SymbolKind};
 
@@ -194,11 +195,11 @@ impl PlacedLine<'_> {
         let StraightLine { phase, noise, force, noise_forces, .. } = self.line;
         let StepSymbols { h, dw, .. } = self.symbols;
         let mut terms: Vec<Vec<Expr>> = Vec::new();
-        for &(part, share) in &stage.at.parts {
-            let driven: Vec<(&Symbol, &Vec<Expr>)> = match part {
-                Part::Force => force.iter().map(|force| (h, force)).collect(),
-                Part::Noise => dw[noise.len()..].iter().zip(noise_forces).collect(),
-                Part::Drift | Part::CounterTerm => Vec::new(),
+        for &(role, share) in &stage.at.roles {
+            let driven: Vec<(&Symbol, &Vec<Expr>)> = match role {
+                Role::Force => force.iter().map(|force| (h, force)).collect(),
+                Role::Noise => dw[noise.len()..].iter().zip(noise_forces).collect(),
+                _ => Vec::new(),
             };
             for (increment, force) in driven {
                 let increment = graph.symbol(*increment);
@@ -219,16 +220,16 @@ impl PlacedLine<'_> {
         let mut terms = Vec::new();
         for stage in &symbols.stages {
             let (images, scale) = self.at(graph, stage);
-            for &(part, weight) in &stage.at.parts {
-                let (hamiltonians, increments) = match part {
-                    Part::Force => continue,
-                    Part::Drift => (std::slice::from_ref(&line.drift), std::slice::from_ref(&symbols.h)),
-                    Part::Noise | Part::CounterTerm => (line.noise.as_slice(), symbols.dw.as_slice()),
+            for &(role, weight) in &stage.at.roles {
+                let (hamiltonians, increments) = match role {
+                    Role::Drift => (std::slice::from_ref(&line.drift), std::slice::from_ref(&symbols.h)),
+                    Role::Noise | Role::CounterTerm => (line.noise.as_slice(), symbols.dw.as_slice()),
+                    _ => continue,
                 };
                 let placed = graph.substitute(hamiltonians, &images).into_iter();
                 let scaled = placed.map(|value| scale.map_or(value, |scale| graph.multiply(scale, value)));
                 let scaled: Vec<Expr> = scaled.collect();
-                if part == Part::CounterTerm {
+                if role == Role::CounterTerm {
                     terms.push((counter_term(graph, symbols, stage, &scaled), weight));
                     continue;
                 }

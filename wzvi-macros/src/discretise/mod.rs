@@ -12,9 +12,9 @@ pub(crate) mod facts;
 pub(crate) mod gauss;
 pub(crate) mod lagrangian;
 pub(crate) mod modified;
-pub(crate) mod parts;
 pub(crate) mod plan;
 pub(crate) mod quadrature;
+pub(crate) mod roles;
 pub(crate) mod structure;
 pub(crate) mod sums;
 
@@ -26,9 +26,9 @@ pub(crate) use self::facts::{
 };
 pub(crate) use self::gauss::StepGradient;
 pub(crate) use self::lagrangian::{DiscreteLagrangian, StepSymbols};
-pub(crate) use self::parts::{PartElements, family_of, parts_of, scale_momenta};
 pub(crate) use self::plan::{Linearity, Plans, SchemePlan, Step, Strategy, Unknowns};
-pub(crate) use self::quadrature::{Part, Quadrature, Stage};
+pub(crate) use self::quadrature::{Quadrature, Stage};
+pub(crate) use self::roles::{Role, RoleElements, elements_by_role, family_of, scale_momenta};
 pub(crate) use self::structure::{Block, Dependencies, Pivot, Solution, Unknown, increment};
 pub(crate) use self::sums::{Calculus, Increments, KnownSum, Space, Sum, Weighted, unweighted, weighted};
 

@@ -13,8 +13,8 @@
 //! | otherwise | `u` and `v` |
 
 use crate::discretise::{
-    Facts, Flows, Part, PartElements, Quadrature, Scheme, Stage, StepGradient, discretise,
-    has_constant_forces, parts_of, split,
+    Facts, Flows, Quadrature, Role, RoleElements, Scheme, Stage, StepGradient, discretise, elements_by_role,
+    has_constant_forces, split,
 };
 use crate::embedding::Embedding;
 use crate::model::{Element, Form, Half, System};
@@ -62,8 +62,8 @@ pub(crate) struct Plans {
     pub(crate) listed: Vec<Embedding>,
     /// The plans of the schemes with one `P` that listed schemes need, each once.
     pub(crate) schemes: Vec<SchemePlan>,
-    /// The parts of the step Hamiltonian that the listed schemes use.
-    pub(crate) parts: Vec<PartElements>,
+    /// The elements of the step Hamiltonian that the listed schemes use, by their roles.
+    pub(crate) roles: Vec<RoleElements>,
     /// The flows that compose `Verlet` and its compositions.
     pub(crate) flows: Option<Flows>,
     /// The slopes in straight lines that `Gauss<S>` and flows take, where they take them in this form.
@@ -93,8 +93,8 @@ impl Plans {
         let line = system.line_of_slopes().filter(|_| is_taken);
         let gradient = line.map(|line| StepGradient::new(&mut system.graph, line, facts.is_nystrom));
         let forms = facts.summands.known().filter(|_| listed.contains(&Embedding::Verlet));
-        let parts = parts_of(system, facts);
-        Self { listed, schemes, parts, flows, gradient, forms }
+        let roles = elements_by_role(system, facts);
+        Self { listed, schemes, roles, flows, gradient, forms }
     }
 
     /// The schemes whose steps are emitted: not the halves of `Verlet` where it composes flows.
@@ -135,7 +135,7 @@ impl SchemePlan {
 impl Strategy {
     fn of(system: &mut System, facts: &Facts, quadrature: &Quadrature) -> Self {
         let unknowns = unknowns(system, facts, quadrature);
-        let corrects = quadrature.weights_of(Part::CounterTerm).next().is_some();
+        let corrects = quadrature.weights_of(Role::CounterTerm).next().is_some();
         let linearity = match unknowns {
             Unknowns::None => Linearity::Nonlinear,
             _ if !corrects && facts.has_constant_curvature => Linearity::Constant,
@@ -158,17 +158,19 @@ fn is_affine(system: &mut System, facts: &Facts, Quadrature { stages }: &Quadrat
     let System { graph, drift, noise, force, .. } = system;
     let reads_u = stages.iter().any(|stage| !stage.l.is_zero());
     let moves_p = stages.iter().any(|stage| !stage.l.is_one());
-    stages.iter().all(|Stage { l, parts }| {
+    stages.iter().all(|Stage { l, roles }| {
         let mut elements: Vec<&Element> = Vec::new();
-        for (part, _) in parts {
-            match part {
-                Part::Drift => elements.extend(&drift.elements),
-                Part::Noise => elements.extend(noise.iter().flat_map(|noise| &noise.term.elements)),
-                Part::Force => elements.extend(force.iter().flat_map(|force| &force.elements)),
-                Part::CounterTerm => {
+        for (role, _) in roles {
+            match role {
+                Role::Drift => elements.extend(&drift.elements),
+                Role::Noise => elements.extend(noise.iter().flat_map(|noise| &noise.term.elements)),
+                Role::Force => elements.extend(force.iter().flat_map(|force| &force.elements)),
+                Role::CounterTerm => {
                     let products = facts.counter_term.sum.iter().flatten();
                     elements.extend(products.map(|weighted| &weighted.element));
                 }
+                // No quadrature evaluates these.
+                Role::Summand(_) | Role::Friction | Role::Temperature | Role::Integral(_) => {}
             }
         }
         let symbols = |half: Half, element: &Element| -> Vec<Symbol> {
@@ -204,17 +206,19 @@ fn unknowns(model: &mut System, facts: &Facts, Quadrature { stages }: &Quadratur
     let varying_drift = varies(&drift.elements);
     let varying_noise = noise.iter().any(|noise| varies(&noise.term.elements));
     let varying_force = force.as_ref().is_some_and(|force| varies(&force.elements));
-    let has_varying_forces = |(part, _): &(Part, Rational)| match part {
-        Part::Drift => varying_drift,
-        Part::Noise => varying_noise,
-        Part::Force => varying_force,
-        Part::CounterTerm => true,
+    let has_varying_forces = |(role, _): &(Role, Rational)| match role {
+        Role::Drift => varying_drift,
+        Role::Noise => varying_noise,
+        Role::Force => varying_force,
+        Role::CounterTerm => true,
+        // No quadrature evaluates these.
+        Role::Summand(_) | Role::Friction | Role::Temperature | Role::Integral(_) => false,
     };
     // The counter-term reads coordinates and momenta.
-    let is_simple = |(part, _): &(Part, Rational)| *part != Part::CounterTerm;
-    let is_separable = facts.is_separable && stages.iter().all(|stage| stage.parts.iter().all(is_simple));
+    let is_simple = |(role, _): &(Role, Rational)| *role != Role::CounterTerm;
+    let is_separable = facts.is_separable && stages.iter().all(|stage| stage.roles.iter().all(is_simple));
     let is_at_node = |stage: &Stage| stage.l.is_zero() || stage.l.is_one();
-    let is_assigned = |stage: &Stage| is_at_node(stage) || !stage.parts.iter().any(has_varying_forces);
+    let is_assigned = |stage: &Stage| is_at_node(stage) || !stage.roles.iter().any(has_varying_forces);
     if is_separable && stages.iter().all(is_assigned) {
         Unknowns::None
     } else if (is_separable && facts.has_diagonal_kinetic_energy)

@@ -31,12 +31,12 @@ macro_rules! overrides {
 
 overrides! {
     /// The facts of a system that do not depend on the scheme.
-    FactOverrides of Facts: noise conserves_energy energy_jumps commuting has_weak_order_two is_damped has_pieces kind bath parts
-        integrals has_tiles has_pairs gathers has_one_velocity has_constant_curvature coupled_degrees collective_variables;
+    FactOverrides of Facts: noise conserves_energy energy_jumps commuting has_weak_order_two is_damped has_pieces kind bath summands
+        has_tiles has_pairs gathers has_one_velocity has_constant_curvature coupled_degrees collective_variables;
     /// Friction, forces and explicit time of a system.
     KindOverrides of Kind: is_conformal is_forced has_noise_forces reads_time;
     /// Friction of a bath.
-    FrictionOverrides of Friction: is_matrix is_per_state has_diagonal_masses has_temperatures is_timed;
+    FrictionOverrides of Friction: is_heated is_matrix is_per_state has_diagonal_masses has_temperatures is_timed;
     /// The quadrature of steps in loops.
     QuadratureOverrides of Quadrature: unknowns remembers linearity;
 }

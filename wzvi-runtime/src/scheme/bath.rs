@@ -60,7 +60,7 @@ use std::marker::PhantomData;
 
 use crate::algebra::scalar::{Mask as _, Scalar};
 use crate::error::{BathError, ConfigError};
-use crate::scheme::elements::{self, DRIFT, Elements, EvaluationPoint, PairColumns, Partials, slopes};
+use crate::scheme::elements::{self, Elements, EvaluationPoint, PairColumns, Partials, Role, slopes};
 use crate::scheme::plan::{Knowledge, NoiseClass, Plan};
 
 #[doc(hidden)]
@@ -145,11 +145,9 @@ pub fn validate<T: Elements>(system: &T) -> Result<(), ConfigError> {
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Friction {
-    /// The index of the part of the elements that is the friction.
-    pub part: usize,
-    /// The index of the part that is the temperature.
-    pub temperature: Option<usize>,
-    /// Whether degrees of freedom have temperatures of their own: then the part is a covector of them.
+    /// Whether there is a temperature: without, friction alone acts.
+    pub is_heated: bool,
+    /// Whether degrees of freedom have temperatures of their own: then the temperature is a covector of them.
     pub has_temperatures: bool,
     /// Whether the temperature depends on the time.
     pub is_timed: bool,
@@ -168,18 +166,15 @@ fn wrong_lane<S: Scalar>(temperature: S) -> f64 {
 }
 
 impl Friction {
-    /// Rates that do not depend on the coordinates, and diagonal masses.
-    pub const fn new(part: usize, temperature: Option<usize>) -> Self {
-        Self {
-            part,
-            temperature,
-            has_temperatures: false,
-            is_timed: false,
-            is_matrix: false,
-            is_per_state: false,
-            has_diagonal_masses: true,
-        }
-    }
+    /// Rates that do not depend on the coordinates, diagonal masses, and no temperature.
+    pub const ALONE: Self = Self {
+        is_heated: false,
+        has_temperatures: false,
+        is_timed: false,
+        is_matrix: false,
+        is_per_state: false,
+        has_diagonal_masses: true,
+    };
 
     /// Whether friction acts on each momentum separately: it and the masses are lists by degree of freedom.
     /// If degrees of freedom have temperatures of their own, a friction matrix is diagonal, which is checked.
@@ -196,8 +191,8 @@ impl Friction {
         columns: &mut PairColumns,
     ) {
         match self.is_matrix {
-            true => elements::damping(system, self.part, q, into),
-            false => elements::rates(system, self.part, q, into, columns),
+            true => elements::damping(system, q, into),
+            false => elements::rates(system, q, into, columns),
         }
     }
 
@@ -218,12 +213,13 @@ impl Friction {
         into: &mut [S],
     ) -> Result<(), BathError> {
         let zero = S::from_f64(0.0);
-        match self.temperature {
-            Some(part) if self.has_temperatures => elements::covector((system, parameters), part, t, into),
-            Some(part) => {
-                into.fill(system.value(part, 1.0, &EvaluationPoint::new([&[][..]; 2], t, parameters, &[])))
-            }
-            None => into.fill(zero),
+        if !self.is_heated {
+            into.fill(zero);
+        } else if self.has_temperatures {
+            elements::temperatures((system, parameters), t, into);
+        } else {
+            let at = EvaluationPoint::new([&[][..]; 2], t, parameters, &[]);
+            into.fill(system.value(Role::Temperature, 1.0, &at));
         }
         let is_valid = |temperature: &S| (temperature.is_finite() & zero.less_equal(*temperature)).all();
         match into.iter().position(|temperature| !is_valid(temperature)) {
@@ -249,7 +245,15 @@ impl Friction {
         let velocities = |p: &[S], by_q: &mut [S], into: &mut [S]| {
             into.fill(S::from_f64(0.0));
             let at = EvaluationPoint::new([&*zeros, p], Scalar::from_f64(0.0), parameters, &[]);
-            slopes(system, (DRIFT, 1.0), &at, Partials::BY_MOMENTA, by_q, into, &mut PairColumns::default());
+            slopes(
+                system,
+                Role::Drift.times(1.0),
+                &at,
+                Partials::BY_MOMENTA,
+                by_q,
+                into,
+                &mut PairColumns::default(),
+            );
         };
         if self.has_diagonal_masses {
             p.fill(one);

@@ -2,9 +2,9 @@
 //! the step that uses it.
 //!
 //! The compiler gives the discrete Lagrangian as a table of [`QuadraturePoint`]s, and the derivatives of the
-//! parts of the step Hamiltonian. Each stage has the weights of `q_i` and `q_{i+1}` in its coordinates and
-//! the parts that are evaluated there. The unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i`
-//! of the discrete Euler-Lagrange equations
+//! terms of the step Hamiltonian by their [`Role`]s. Each stage has the weights of `q_i` and `q_{i+1}` in its
+//! coordinates and the roles that are evaluated there. The unknowns are the increments `u = q_{i+1} - q_i`
+//! and `v = P - p_i` of the discrete Euler-Lagrange equations
 //!
 //! ```text
 //! L_d = P · u - Σ_s F_s(P, Q_s, T_s),  Q_s = q_i + c_s u,  T_s = t_i + c_s h,  P = p_i + v
@@ -53,21 +53,23 @@ mod past;
 pub mod places;
 mod preference;
 mod quadrature;
+mod role;
 mod rounding;
 mod step;
 mod sums;
 mod tiles;
 
-pub(crate) use bath::{covector, damping, rates};
+pub(crate) use bath::{damping, rates, temperatures};
 pub use collective::{CollectiveHessian, CollectiveVariables};
 pub use gather::Placements;
-pub(crate) use hamiltonian::{COUNTER_TERM, DRIFT, forces};
+pub(crate) use hamiltonian::forces;
 pub use in_loops::{InLoops, Loops};
 pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::LoopMemory;
 pub use pairs::{Pair, PairColumns, Row};
 pub(crate) use passes::are_finite;
 pub use quadrature::{Linearity, MomentumUpdate, Quadrature, QuadraturePoint, Unknowns};
+pub use role::{Role, WeightedRole};
 pub(crate) use step::nothing;
 pub use sums::{AdjacentSums, ElementInput, Sums, disjoint_placements, stretch};
 pub(crate) use tiles::{BLOCK, MOST_IN_ONE_TILE};
@@ -77,8 +79,6 @@ use std::ops::Range;
 
 pub use crate::algebra::lanes::common_range::CommonRange;
 pub use crate::algebra::memory::{Iteration, Method};
-
-use hamiltonian::{FORCE, NOISE};
 
 use crate::algebra::scalar::{Constant, Number, Scalar};
 use crate::algebra::shape::Shape;
@@ -162,10 +162,8 @@ pub enum HessianBlock {
 /// The generated code of a system whose Hamiltonians are sums of elements. Such a system is a
 /// [`Hamiltonian`](crate::scheme::system::Hamiltonian).
 ///
-/// Elements with the same rule for their increments form a *part*: the drift (part 0), the noises (part 1),
-/// the terms that a scheme adds to them (part 2), the force beside the drift (part 3; derivatives `-f` by
-/// coordinates, no value) and, for values only, the first integrals, from part [`Facts::integrals`] on. A
-/// part is weighted by `weight` and by its increments.
+/// Each element belongs to a term with a [`Role`]. Elements with one role are evaluated together, weighted by
+/// `weight` and by their increments.
 pub trait Elements: Sized {
     /// As `Hamiltonian::Vector`.
     type Vector: Vector;
@@ -236,18 +234,18 @@ pub trait Elements: Sized {
         &[]
     }
 
-    /// The weighted value of a part; 0 if the part does not exist. All slices have the checked number of
-    /// degrees of freedom.
-    fn value<S: Scalar>(&self, part: usize, weight: f64, at: &EvaluationPoint<'_, S>) -> S;
+    /// The weighted value of the terms with a role; 0 if there are none. All slices have the checked number
+    /// of degrees of freedom.
+    fn value<S: Scalar>(&self, role: Role, weight: f64, at: &EvaluationPoint<'_, S>) -> S;
 
     /// The number type of derivatives in vectorised loops: NaN where vector code cannot give the result of
     /// `f64`.
     type CommonRange: Number<f64>;
 
-    /// Adds the weighted derivatives of a part to `by_q` and `by_p`, computed in numbers `T`.
+    /// Adds the weighted derivatives of the terms with a role to `by_q` and `by_p`, computed in numbers `T`.
     fn gradient<S: Scalar, T: Number<S>>(
         &self,
-        part: usize,
+        role: Role,
         weight: f64,
         at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
         wanted: Partials,
@@ -255,30 +253,30 @@ pub trait Elements: Sized {
         by_p: &mut (impl Sums<S> + ?Sized),
     );
 
-    /// Gives the weighted second derivatives of a part to `into`, entry by entry, with their variables. Each
+    /// Gives the weighted second derivatives of a role to `into`, entry by entry, with their variables. Each
     /// pair of different variables comes once, and its derivative is alone unless its mirror image is another
     /// entry: on the diagonal and in a force. Only those that steps need are generated. All noises act.
     fn hessian<S: Scalar>(
         &self,
-        part: usize,
+        role: Role,
         weight: f64,
         at: &EvaluationPoint<'_, S>,
         wanted: Partials,
         into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
     ) {
-        let _ = (part, weight, at, wanted, into);
+        let _ = (role, weight, at, wanted, into);
     }
 
-    /// The weighted terms of rank one of the second derivatives of a part, which
+    /// The weighted terms of rank one of the second derivatives of a role, which
     /// [`hessian`](Elements::hessian) leaves out: those of [`Facts::collective_variables`], cleared.
     fn collective_hessian<S: Scalar>(
         &self,
-        part: usize,
+        role: Role,
         weight: f64,
         at: &EvaluationPoint<'_, S>,
         into: &mut CollectiveHessian<S>,
     ) {
-        let _ = (part, weight, at, into);
+        let _ = (role, weight, at, into);
     }
 }
 
@@ -307,12 +305,12 @@ impl<S: Scalar> EvaluationPoint<'_, S> {
     }
 }
 
-/// Adds the weighted derivatives of a part at all places; rows of pairs in vector instructions use the exact
+/// Adds the derivatives of a weighted role at all places; rows of pairs in vector instructions use the exact
 /// numbers.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn slopes<H: Elements, S: Scalar>(
     system: &H,
-    (part, weight): (usize, f64),
+    weighted: WeightedRole,
     at: &EvaluationPoint<'_, S>,
     wanted: Partials,
     by_q: &mut [S],
@@ -324,9 +322,9 @@ pub(crate) fn slopes<H: Elements, S: Scalar>(
         && let Some(at) = at.plain()
         && let (Some(by_q), Some(by_p)) = (S::as_f64s_mut(&mut *by_q), S::as_f64s_mut(&mut *by_p))
     {
-        pairs::gradient_in_columns(system, (part, weight), &at, wanted, by_q, by_p, columns);
+        pairs::gradient_in_columns(system, weighted, &at, wanted, by_q, by_p, columns);
     } else {
-        system.gradient::<S, S>(part, weight, at, wanted, by_q, by_p);
+        system.gradient::<S, S>(weighted.role, weighted.weight, at, wanted, by_q, by_p);
     }
 }
 
@@ -353,9 +351,9 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     if BY_P {
         by_p.fill(S::from_f64(0.0));
     }
-    slopes(system, (DRIFT, 1.0), &at, wanted, by_q, by_p, columns);
+    slopes(system, Role::Drift.times(1.0), &at, wanted, by_q, by_p, columns);
     if H::FACTS.kind.is_forced {
-        slopes(system, (FORCE, 1.0), &at, wanted, by_q, by_p, columns);
+        slopes(system, Role::Force.times(1.0), &at, wanted, by_q, by_p, columns);
     }
     // Weights of stages differ from lane to lane.
     if BY_Q {
@@ -365,7 +363,7 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
         by_p.iter_mut().for_each(|slope| *slope = *slope * h);
     }
     if !dw.is_empty() {
-        slopes(system, (NOISE, 1.0), &at, wanted, by_q, by_p, columns);
+        slopes(system, Role::Noise.times(1.0), &at, wanted, by_q, by_p, columns);
     }
 }
 
@@ -382,22 +380,22 @@ pub(crate) fn add_gradient<H: Elements, S: Scalar, const EXACT: bool>(
 ) {
     let (at, none) = (flow.at(state), &mut [][..]);
     // A single call, so that it is inlined.
-    for (part, is_there) in flow.parts::<H>() {
+    for (role, is_there) in flow.roles::<H>() {
         if const { !EXACT && takes_common_range::<H, S>() }
             && is_there
             && let (Some(at), Some(into)) = (at.plain(), S::as_f64s_mut(&mut *into))
         {
             let none = &mut [][..];
             match wanted.by_q {
-                true => system.gradient::<f64, H::CommonRange>(part, 1.0, &at, wanted, into, none),
-                false => system.gradient::<f64, H::CommonRange>(part, 1.0, &at, wanted, none, into),
+                true => system.gradient::<f64, H::CommonRange>(role, 1.0, &at, wanted, into, none),
+                false => system.gradient::<f64, H::CommonRange>(role, 1.0, &at, wanted, none, into),
             }
             continue;
         }
         match wanted.by_q {
             _ if !is_there => {}
-            true => slopes(system, (part, 1.0), &at, wanted, into, none, columns),
-            false => slopes(system, (part, 1.0), &at, wanted, none, into, columns),
+            true => slopes(system, role.times(1.0), &at, wanted, into, none, columns),
+            false => slopes(system, role.times(1.0), &at, wanted, none, into, columns),
         }
     }
 }
@@ -409,10 +407,10 @@ pub(crate) const fn takes_common_range<H: Elements, S: Scalar>() -> bool {
 }
 
 impl<'a, S: Scalar> Flow<'a, S> {
-    /// All parts, and whether they act.
+    /// All roles in a flow, and whether they act.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn parts<H: Elements>(&self) -> [(usize, bool); 3] {
-        [(DRIFT, true), (FORCE, H::FACTS.kind.is_forced), (NOISE, !self.dw.is_empty())]
+    fn roles<H: Elements>(&self) -> [(Role, bool); 3] {
+        [(Role::Drift, true), (Role::Force, H::FACTS.kind.is_forced), (Role::Noise, !self.dw.is_empty())]
     }
 
     /// The point of evaluation of elements that read only one half of the phase space.
@@ -440,15 +438,15 @@ pub(crate) fn add_flow<H, S, T, V, A>(
 {
     let at = flow.at(state);
     // A single call, so that it is inlined.
-    for (part, is_there) in flow.parts::<H>() {
+    for (role, is_there) in flow.roles::<H>() {
         let none = &mut [][..];
         if !is_there {
             continue;
         }
         if wanted.by_q {
-            system.gradient::<S, T>(part, 1.0, &at, wanted, into, none);
+            system.gradient::<S, T>(role, 1.0, &at, wanted, into, none);
         } else {
-            system.gradient::<S, T>(part, 1.0, &at, wanted, none, into);
+            system.gradient::<S, T>(role, 1.0, &at, wanted, none, into);
         }
     }
 }

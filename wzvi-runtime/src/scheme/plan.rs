@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::bath::Friction;
 use super::compose::Form;
-use super::elements::{CollectiveVariables, Partials};
+use super::elements::{CollectiveVariables, Partials, Role};
 use super::system::Kind;
 
 /// How the step is solved.
@@ -99,11 +99,8 @@ pub struct Facts {
     pub has_pieces: bool,
     /// Friction, forces and explicit time.
     pub kind: Kind,
-    /// The index of `H_A` among the parts of the [elements](crate::scheme::elements::Elements), the one
-    /// before `H_B`, and the forms of both, for `drift = [H_A, H_B]`.
-    pub parts: Option<(usize, [Form; 2])>,
-    /// The index of the first part of the elements that is a first integral.
-    pub integrals: usize,
+    /// The forms of `H_A` and `H_B`, for `drift = [H_A, H_B]`.
+    pub summands: Option<[Form; 2]>,
     /// Whether derivatives can be computed tile by tile: elements that read coordinates add to adjacent
     /// places, and those that read momenta read one each and add to its place.
     pub has_tiles: bool,
@@ -122,7 +119,7 @@ pub struct Facts {
     /// The most degrees of freedom of one point that depend on each other, where elements of loops couple no
     /// points.
     pub coupled_degrees: Option<usize>,
-    /// The collective variables of each part of the elements; empty where no step solves with any.
+    /// The collective variables of each role that has any; empty where no step solves with them.
     pub collective_variables: &'static [CollectiveVariables],
 }
 
@@ -140,8 +137,7 @@ impl Facts {
             bath: None,
             has_pieces: false,
             kind: Kind::AUTONOMOUS,
-            parts: None,
-            integrals: 3,
+            summands: None,
             has_tiles: false,
             has_pairs: false,
             gathers: Partials { by_q: false, by_p: false },
@@ -150,6 +146,11 @@ impl Facts {
             coupled_degrees: None,
             collective_variables: &[],
         }
+    }
+
+    /// The collective variables of a role, if it has any.
+    pub(crate) fn collective_variables_of(&self, role: Role) -> Option<&'static CollectiveVariables> {
+        self.collective_variables.iter().find(|variables| variables.role == role)
     }
 
     /// The plan of a scheme of this order with such a step.

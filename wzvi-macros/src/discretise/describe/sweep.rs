@@ -1,14 +1,14 @@
 //! The equations of all sites at once: slopes of Hamiltonians and forces, each a sum over placements.
 
 use crate::discretise::{
-    Facts, Linearity, Part, PartElements, Plans, SchemePlan, Stage, Strategy, Sum, Unknowns, Weighted,
+    Facts, Linearity, Plans, Role, RoleElements, SchemePlan, Stage, Strategy, Sum, Unknowns, Weighted,
 };
 use crate::model::{Half, System};
 use crate::symbolic::{Expr, Graph, Rational, Symbol, SymbolKind, signed};
 
-/// The Hamiltonians or the forces of a part of the step.
+/// The Hamiltonians or the forces with one role in the step.
 struct Named {
-    part: Part,
+    role: Role,
     is_force: bool,
     factor: &'static str,
     name: &'static str,
@@ -17,15 +17,17 @@ struct Named {
 }
 
 impl Named {
-    fn of(part: Part, is_force: bool, sum: Sum) -> Self {
-        let (factor, name, definition) = match (part, is_force) {
-            (Part::Drift, _) => ("h ", "H0", ""),
-            (Part::Force, _) => ("h ", "F0", ""),
-            (Part::Noise, false) => ("", "H_W", "Σ_k ΔW[k] H_k"),
-            (Part::Noise, true) => ("", "F_W", "Σ_k ΔW[k] F_k"),
-            (Part::CounterTerm, _) => ("", "C", "(Σ_j ΔW[j] ∂H_j/∂q) · (Σ_k ΔW[k] ∂H_k/∂p)"),
+    /// `None` for a role that no quadrature evaluates.
+    fn of(role: Role, is_force: bool, sum: Sum) -> Option<Self> {
+        let (factor, name, definition) = match (role, is_force) {
+            (Role::Drift, _) => ("h ", "H0", ""),
+            (Role::Force, _) => ("h ", "F0", ""),
+            (Role::Noise, false) => ("", "H_W", "Σ_k ΔW[k] H_k"),
+            (Role::Noise, true) => ("", "F_W", "Σ_k ΔW[k] F_k"),
+            (Role::CounterTerm, _) => ("", "C", "(Σ_j ΔW[j] ∂H_j/∂q) · (Σ_k ΔW[k] ∂H_k/∂p)"),
+            (Role::Summand(_) | Role::Friction | Role::Temperature | Role::Integral(_), _) => return None,
         };
-        Self { part, is_force, factor, name, definition, sum }
+        Some(Self { role, is_force, factor, name, definition, sum })
     }
 
     /// The name of its contribution to the discrete Lagrangian, or to a derivative of that; `None` if that is
@@ -62,18 +64,18 @@ pub(crate) fn derivation(
     Strategy { unknowns, linearity }: Strategy,
 ) -> String {
     let mut text = String::new();
-    let mut parts = Vec::new();
-    let is_taken = |part: &&PartElements| quadrature.weights_of(part.part).next().is_some();
-    for PartElements { part, elements, .. } in plans.parts.iter().filter(is_taken) {
+    let mut all = Vec::new();
+    let is_taken = |known: &&RoleElements| quadrature.weights_of(known.role).next().is_some();
+    for RoleElements { role, elements, .. } in plans.roles.iter().filter(is_taken) {
         let elements = elements.iter().cloned();
         let (forces, functions): (Sum, Sum) = elements.partition(|weighted| weighted.element.is_covector());
         let named =
-            [(false, functions), (true, forces)].map(|(is_force, sum)| Named::of(*part, is_force, sum));
-        parts.extend(named.into_iter().filter(|named| !named.sum.is_empty()));
+            [(false, functions), (true, forces)].map(|(is_force, sum)| Named::of(*role, is_force, sum));
+        all.extend(named.into_iter().flatten().filter(|named| !named.sum.is_empty()));
     }
-    equations(system, &quadrature.stages, &parts, &mut text);
+    equations(system, &quadrature.stages, &all, &mut text);
     for half in [Half::Momenta, Half::Coordinates, Half::Displacements] {
-        parts.iter().for_each(|part| gradient(&mut system.graph, facts, part, half, &mut text));
+        all.iter().for_each(|named| gradient(&mut system.graph, facts, named, half, &mut text));
     }
     let iterated = "by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES \
                      where the band is wide";
@@ -92,17 +94,17 @@ pub(crate) fn derivation(
     text
 }
 
-/// The discrete Lagrangian and its derivatives, by the slopes of the parts. With friction that is part of the
-/// step, a part `F` acts as `e^{γlh} F(P/e^{γlh}, q_l)` at the quadrature point `l`, and
+/// The discrete Lagrangian and its derivatives, by the slopes of the roles. With friction that is part of the
+/// step, a term `F` acts as `e^{γlh} F(P/e^{γlh}, q_l)` at the quadrature point `l`, and
 /// `p' = e^{-γh} D2 L_d`.
-fn equations(system: &mut System, stages: &[Stage], parts: &[Named], text: &mut String) {
+fn equations(system: &mut System, stages: &[Stage], all: &[Named], text: &mut String) {
     let ([q, p], graph) = (system.names.clone(), &mut system.graph);
     let has_friction = system.conformal.is_some();
-    // The parts at each quadrature point, subtracted if they are no forces.
+    // The terms at each quadrature point, subtracted if they are no forces.
     let mut weigh = |first: &str, weight: fn(&Stage) -> Rational, derivative: LagrangianDerivative| {
         let mut terms: Vec<(bool, String)> =
             Vec::from_iter((!first.is_empty()).then(|| (false, first.into())));
-        for (stage, (part, share)) in stages.iter().flat_map(|s| s.parts.iter().map(move |part| (s, part))) {
+        for (stage, (role, share)) in stages.iter().flat_map(|s| s.roles.iter().map(move |role| (s, role))) {
             let weight = weight(stage);
             let is_negative = share.is_negative() != weight.is_negative();
             let (mut scale, mut momentum) = (String::new(), "P".to_owned());
@@ -114,7 +116,7 @@ fn equations(system: &mut System, stages: &[Stage], parts: &[Named], text: &mut 
                     scale = growth + " ";
                 }
             }
-            for named in parts.iter().filter(|named| named.part == *part && !weight.is_zero()) {
+            for named in all.iter().filter(|named| named.role == *role && !weight.is_zero()) {
                 let size = size(graph, *share, weight);
                 let at = point(&q, stage.l);
                 let term = named
@@ -133,7 +135,7 @@ fn equations(system: &mut System, stages: &[Stage], parts: &[Named], text: &mut 
     }
     let v = weigh("", Stage::start, LagrangianDerivative::ByCoordinates);
     let velocity = weigh("", |_| Rational::MINUS_ONE, LagrangianDerivative::ByMomenta);
-    for Named { name, definition, .. } in parts.iter().filter(|named| !named.definition.is_empty()) {
+    for Named { name, definition, .. } in all.iter().filter(|named| !named.definition.is_empty()) {
         say!(text, "  {name} = {definition}");
     }
     say!(text, "  Δ{q} = {q}' - {q}");
@@ -169,11 +171,11 @@ fn point(q: &str, l: Rational) -> String {
     }
 }
 
-/// The contributions of a part to its slopes by one half, line by line.
-fn gradient(graph: &mut Graph, facts: &Facts, part: &Named, half: Half, text: &mut String) {
-    let Named { name, sum, .. } = part;
+/// The contributions of a role to its slopes by one half, line by line.
+fn gradient(graph: &mut Graph, facts: &Facts, named: &Named, half: Half, text: &mut String) {
+    let Named { name, sum, .. } = named;
     for Weighted { element, increments } in
-        sum.iter().filter(|_| part.is_force == (half == Half::Displacements))
+        sum.iter().filter(|_| named.is_force == (half == Half::Displacements))
     {
         let (space, loops) = (&facts.space, &element.loops);
         let slopes =
@@ -190,7 +192,7 @@ fn gradient(graph: &mut Graph, facts: &Facts, part: &Named, half: Half, text: &m
             factors.extend(increments.iter().map(|&increment| graph.symbol(increment)));
             let slope = graph.product(&factors);
             let place = graph.symbol_name(spelled[&variable]);
-            let place = match place.strip_prefix('δ').filter(|_| part.is_force) {
+            let place = match place.strip_prefix('δ').filter(|_| named.is_force) {
                 Some(place) => format!("{name} along {place}"),
                 None => format!("∂{name}/∂{place}"),
             };

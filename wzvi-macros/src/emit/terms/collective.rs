@@ -8,8 +8,8 @@ use quote::{format_ident, quote};
 
 use super::kernel::Target;
 use super::weighted::{ElementEmitter, Outputs};
-use super::{Derivative, arm, opened};
-use crate::discretise::{PartElements, Weighted, unweighted};
+use super::{Derivative, arm, opened, role_path};
+use crate::discretise::{RoleElements, Weighted, unweighted};
 use crate::emit::{count, f64_type};
 use crate::model::{Collective, CollectiveSlot, Collectives, Element, Half, Loop, Reads, System};
 use crate::symbolic::Expr;
@@ -119,22 +119,22 @@ impl ElementEmitter<'_> {
     }
 }
 
-/// The collective variables of a part that follow the state.
-struct PartVariables {
+/// The collective variables of a role that follow the state.
+struct RoleVariables {
     /// The variables on which its first derivatives depend, by number.
     all: Vec<CollectiveSlot>,
     /// The variables that its first derivatives read themselves.
     read: Vec<CollectiveSlot>,
 }
 
-impl PartVariables {
+impl RoleVariables {
     /// `None` if its first derivatives depend on none.
-    fn of(model: &System, part: &PartElements) -> Option<Self> {
+    fn of(model: &System, known: &RoleElements) -> Option<Self> {
         let follows_state = |slot: &CollectiveSlot| slot.reads.q || slot.reads.p;
-        let needed = needed(&model.collectives, &part.elements).into_iter().map(|(slot, _)| slot);
+        let needed = needed(&model.collectives, &known.elements).into_iter().map(|(slot, _)| slot);
         let all: Vec<CollectiveSlot> = needed.filter(follows_state).collect();
         let is_read = |slot: &CollectiveSlot| {
-            let mut read = part.elements.iter().flat_map(|weighted| weighted.element.collectives());
+            let mut read = known.elements.iter().flat_map(|weighted| weighted.element.collectives());
             read.any(|(_, known)| known == *slot)
         };
         let read: Vec<CollectiveSlot> = all.iter().copied().filter(is_read).collect();
@@ -147,42 +147,43 @@ fn place(list: &[CollectiveSlot], slot: CollectiveSlot) -> Option<Literal> {
     list.iter().position(|known| *known == slot).map(count)
 }
 
-/// `Facts::collective_variables` of parts that steps solve with; `None` if no part has any.
-pub(super) fn variables(model: &System, parts: &[PartElements]) -> Option<TokenStream> {
-    let known = parts.iter().filter_map(|part| Some((part.part as usize, PartVariables::of(model, part)?)));
-    let known: BTreeMap<usize, PartVariables> = known.collect();
-    let (&last, _) = known.last_key_value()?;
-    let all = (0..=last).map(|number| {
-        let (all, read) = known.get(&number).map_or((&[][..], &[][..]), |known| (&known.all, &known.read));
-        let (count, read) = (count(all.len()), read.iter().map(|slot| place(all, *slot)));
-        quote!(__wzvi::elements::CollectiveVariables { count: #count, read: &[#(#read),*] })
-    });
-    Some(quote!(&[#(#all),*]))
+/// `Facts::collective_variables` of roles that steps solve with; `None` if no role has any.
+pub(super) fn variables(model: &System, roles: &[RoleElements]) -> Option<TokenStream> {
+    let of_role = |known: &RoleElements| {
+        let RoleVariables { all, read } = RoleVariables::of(model, known)?;
+        let (role, count) = (role_path(known.role), count(all.len()));
+        let read = read.iter().map(|slot| place(&all, *slot));
+        Some(
+            quote!(__wzvi::elements::CollectiveVariables { role: #role, count: #count, read: &[#(#read),*] }),
+        )
+    };
+    let all: Vec<TokenStream> = roles.iter().filter_map(of_role).collect();
+    (!all.is_empty()).then(|| quote!(&[#(#all),*]))
 }
 
-/// `Elements::collective_hessian`: the terms of rank one of the second derivatives; `None` if no part has
+/// `Elements::collective_hessian`: the terms of rank one of the second derivatives; `None` if no role has
 /// any.
-pub(super) fn hessian_method(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
+pub(super) fn hessian_method(model: &mut System, roles: &[RoleElements]) -> Option<TokenStream> {
     let mut emitter = ElementEmitter { model, derivative: Derivative::Hessian };
-    let arms = parts.iter().map(|part| {
-        let code = emitter.rank_one_terms(part);
-        arm(part.part as usize, None, &code)
+    let arms = roles.iter().map(|known| {
+        let code = emitter.rank_one_terms(known);
+        arm(known.role, None, &code)
     });
     let code: TokenStream = arms.collect();
     let opened = opened(model, &code);
-    let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
+    let (f64, elements) = (f64_type(), quote!(__wzvi::elements));
     (!code.is_empty()).then(|| {
         quote! {
             fn collective_hessian<__S: __wzvi::Scalar>(
                 &self,
-                __part: #usize,
+                __role: #elements::Role,
                 __weight: #f64,
                 __at: &#elements::EvaluationPoint<'_, __S>,
                 __into: &mut #elements::CollectiveHessian<__S>,
             ) {
                 use #elements::{AdjacentSums as _, Sums as _};
                 #opened
-                match __part {
+                match __role {
                     #code
                     _ => {}
                 }
@@ -192,13 +193,13 @@ pub(super) fn hessian_method(model: &mut System, parts: &[PartElements]) -> Opti
 }
 
 impl ElementEmitter<'_> {
-    /// The slopes of the collective variables by the state, and those of the first derivatives of a part by
+    /// The slopes of the collective variables by the state, and those of the first derivatives of a role by
     /// the variables that they read.
-    fn rank_one_terms(&mut self, part: &PartElements) -> TokenStream {
-        let Some(PartVariables { all, read }) = PartVariables::of(self.model, part) else {
+    fn rank_one_terms(&mut self, known: &RoleElements) -> TokenStream {
+        let Some(RoleVariables { all, read }) = RoleVariables::of(self.model, known) else {
             return TokenStream::new();
         };
-        let mut code = self.collectives(&part.elements);
+        let mut code = self.collectives(&known.elements);
         for (own, &slot) in all.iter().enumerate() {
             let own = count(own);
             for weighted in unweighted(&self.model.collectives.of(slot).elements.clone()) {
@@ -219,8 +220,8 @@ impl ElementEmitter<'_> {
                 }
             }
         }
-        for weighted in &part.elements {
-            let weight = self.weight(part, weighted);
+        for weighted in &known.elements {
+            let weight = self.weight(known, weighted);
             for (symbol, slot) in weighted.element.collectives() {
                 let Some(term) = place(&read, slot) else { continue };
                 let (value, weight) = self.weighed(&weighted.element, Some(&weight));

@@ -3,9 +3,10 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use super::role_path;
 use crate::discretise::{Linearity, Quadrature, SchemePlan, Stage, Strategy, Unknowns};
+use crate::emit::discretized;
 use crate::emit::overrides::{self, holds};
-use crate::emit::{count, discretized};
 use crate::model::System;
 
 /// `impl Discretized<E>` of steps in loops.
@@ -58,12 +59,12 @@ pub(crate) fn quadrature(quadrature: &Quadrature, strategy: Strategy, remembers:
 fn stage(stage: &Stage) -> TokenStream {
     let [point, start, end] =
         [stage.l, stage.start(), stage.end()].map(|weight| Literal::f64_unsuffixed(weight.to_f64()));
-    let parts = stage.parts.iter().map(|&(part, weight)| {
-        let (number, weight) = (count(part as usize), Literal::f64_unsuffixed(weight.to_f64()));
-        quote!((#number, #weight))
+    let roles = stage.roles.iter().map(|&(role, weight)| {
+        let (role, weight) = (role_path(role), Literal::f64_unsuffixed(weight.to_f64()));
+        quote!(#role.times(#weight))
     });
     quote! {
-        __wzvi::elements::QuadraturePoint::new([#point, #start, #end], &[#(#parts),*])
+        __wzvi::elements::QuadraturePoint::new([#point, #start, #end], &[#(#roles),*])
     }
 }
 

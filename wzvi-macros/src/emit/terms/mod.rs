@@ -1,13 +1,13 @@
 //! From elements to Rust: `Hamiltonian`, `Elements` and the schemes that are solved in loops. Tests:
 //! `tests/loops`, and the golden expansions (`compile/golden_tests.rs`).
 
+mod beside_step;
 mod chunk;
 mod collective;
 mod combine;
 mod hamiltonian;
 mod in_loops;
 mod kernel;
-mod numbered;
 mod places;
 mod tiles;
 mod weighted;
@@ -16,9 +16,8 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
 
 pub(crate) use self::in_loops::{emit as step, in_tiles, quadrature};
-use self::numbered::PartNumbers;
 use crate::diagnostics::promised;
-use crate::discretise::{Facts, PartElements, Plans, scale_momenta};
+use crate::discretise::{Facts, Plans, Role, RoleElements, scale_momenta};
 use crate::emit::compose::structure;
 use crate::emit::gauss::length_type;
 use crate::emit::overrides::{self, holds};
@@ -133,23 +132,22 @@ impl Derivative {
 /// `impl Elements`: values and slopes of all terms, and `impl Hamiltonian`.
 pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> TokenStream {
     let declared = hamiltonian::emit(model);
-    let mut parts = plans.parts.clone();
+    let mut roles = plans.roles.clone();
     if model.conformal.is_some() {
-        scale_momenta(model, &mut parts);
+        scale_momenta(model, &mut roles);
     }
-    let [part_values, part_slopes] =
-        [Derivative::Value, Derivative::Gradient].map(|derivative| numbered::arms(model, derivative));
+    let [values_beside, slopes_beside] =
+        [Derivative::Value, Derivative::Gradient].map(|derivative| beside_step::arms(model, derivative));
     let [value, slopes] =
-        [Derivative::Value, Derivative::Gradient].map(|derivative| arms(model, &parts, derivative));
-    let (value, slopes) = (quote!(#value #part_values), quote!(#slopes #part_slopes));
+        [Derivative::Value, Derivative::Gradient].map(|derivative| arms(model, &roles, derivative));
+    let (value, slopes) = (quote!(#value #values_beside), quote!(#slopes #slopes_beside));
     let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
-    let curvature = hessian_method(model, &parts, plans.needs_hessian());
+    let curvature = hessian_method(model, &roles, plans.needs_hessian());
     let (collective_variables, of_collectives) = match plans.needs_hessian() {
-        true => (collective::variables(model, &parts), collective::hessian_method(model, &parts)),
+        true => (collective::variables(model, &roles), collective::hessian_method(model, &roles)),
         false => (None, None),
     };
-    let first_integral = count(PartNumbers::of(model).integrals);
-    let has_tiles = tiles::allows_tiles(model, &parts);
+    let has_tiles = tiles::allows_tiles(model, &roles);
     // Read where a window takes a whole step at once.
     let is_constant = has_tiles.is_some() && facts.has_constant_curvature;
     let has_loops = model.form == Form::Loops || model.line.is_none();
@@ -157,23 +155,22 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
     let coupled = facts.coupled_degrees.filter(|_| has_loops).map(count);
     let of_elements = overrides::FactOverrides {
         kind: hamiltonian::kind(model),
-        bath: numbered::bath(model, facts),
-        parts: numbered::forms(model, plans),
-        integrals: (!model.invariants.is_empty()).then(|| quote!(#first_integral)),
+        bath: beside_step::bath(model, facts),
+        summands: beside_step::forms(plans),
         has_tiles,
-        has_pairs: holds(tiles::has_pairs(model, &parts)),
-        gathers: tiles::gathered(model, &parts),
-        has_one_velocity: holds(tiles::has_uniform_velocity(model, &parts)),
+        has_pairs: holds(tiles::has_pairs(model, &roles)),
+        gathers: tiles::gathered(model, &roles),
+        has_one_velocity: holds(tiles::has_uniform_velocity(model, &roles)),
         has_constant_curvature: holds(is_constant),
         coupled_degrees: coupled.map(|degrees| quote!(__wzvi::Some(#degrees))),
         collective_variables,
         ..Default::default()
     };
     let known = crate::emit::plan::facts(model, facts, of_elements);
-    let (places, common_range) = (places::emit(model), tiles::common_range(model, &parts));
+    let (places, common_range) = (places::emit(model), tiles::common_range(model, &roles));
     let shape = length_type(model.line.as_ref().map(|line| line.phase.q.len()));
     let structure = structure(plans);
-    let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
+    let (f64, elements) = (f64_type(), quote!(__wzvi::elements));
     let runs = has_loops.then(|| quote!(use #elements::AdjacentSums as _;));
     let body = quote! {
             const FACTS: __wzvi::Facts = #known;
@@ -184,12 +181,12 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
 
             fn value<__S: __wzvi::Scalar>(
                 &self,
-                __part: #usize,
+                __role: #elements::Role,
                 __weight: #f64,
                 __at: &#elements::EvaluationPoint<'_, __S>,
             ) -> __S {
                 #of_value
-                match __part {
+                match __role {
                     #value
                     _ => __S::from_f64(0.0),
                 }
@@ -200,7 +197,7 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn gradient<__S: __wzvi::Scalar, __T: __wzvi::Number<__S>>(
                 &self,
-                __part: #usize,
+                __role: #elements::Role,
                 __weight: #f64,
                 __at: &#elements::EvaluationPoint<'_, __S, impl #elements::ElementInput<__S> + ?__wzvi::Sized>,
                 __partials: #elements::Partials,
@@ -209,7 +206,7 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
             ) {
                 #runs
                 #of_slopes
-                match __part {
+                match __role {
                     #slopes
                     _ => {}
                 }
@@ -222,42 +219,63 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
     implementation(&model.item, &quote!(#elements::Elements), &body)
 }
 
-/// The code of parts by their numbers.
-fn arms(model: &mut System, parts: &[PartElements], derivative: Derivative) -> TokenStream {
+/// The code of the terms of the step Hamiltonian by their roles.
+fn arms(model: &mut System, roles: &[RoleElements], derivative: Derivative) -> TokenStream {
     let mut nests = ElementEmitter { model, derivative };
-    let arms = parts.iter().map(|part| {
-        let (condition, code) = nests.part(part);
-        arm(part.part as usize, condition, &code)
+    let arms = roles.iter().map(|known| {
+        let (condition, code) = nests.role(known);
+        arm(known.role, condition, &code)
     });
     arms.collect()
 }
 
-/// The code of a part, if any.
-fn arm(number: usize, condition: Option<TokenStream>, code: &TokenStream) -> TokenStream {
-    let (number, condition) = (count(number), condition.map(|condition| quote!(if #condition)));
-    if code.is_empty() { TokenStream::new() } else { quote!(#number #condition => { #code }) }
+/// The code of a role, if any.
+fn arm(role: Role, condition: Option<TokenStream>, code: &TokenStream) -> TokenStream {
+    let (role, condition) = (role_path(role), condition.map(|condition| quote!(if #condition)));
+    if code.is_empty() { TokenStream::new() } else { quote!(#role #condition => { #code }) }
 }
 
-/// `Elements::hessian`: of the parts whose steps are solved with it, and of damping by a matrix; `None` if
+/// A role of the run time, as a value or as a pattern.
+fn role_path(role: Role) -> TokenStream {
+    let role = match role {
+        Role::Drift => quote!(Drift),
+        Role::Noise => quote!(Noise),
+        Role::CounterTerm => quote!(CounterTerm),
+        Role::Force => quote!(Force),
+        Role::Summand(number) => {
+            let number = count(number);
+            quote!(Summand(#number))
+        }
+        Role::Friction => quote!(Friction),
+        Role::Temperature => quote!(Temperature),
+        Role::Integral(number) => {
+            let number = count(number);
+            quote!(Integral(#number))
+        }
+    };
+    quote!(__wzvi::elements::Role::#role)
+}
+
+/// `Elements::hessian`: of the roles whose steps are solved with it, and of damping by a matrix; `None` if
 /// there is neither.
-fn hessian_method(model: &mut System, parts: &[PartElements], has_curvature: bool) -> Option<TokenStream> {
-    let of_bath = self::numbered::arms(model, Derivative::Hessian);
-    let of_parts = has_curvature.then(|| arms(model, parts, Derivative::Hessian));
-    let code = quote!(#of_parts #of_bath);
+fn hessian_method(model: &mut System, roles: &[RoleElements], has_curvature: bool) -> Option<TokenStream> {
+    let of_bath = self::beside_step::arms(model, Derivative::Hessian);
+    let of_roles = has_curvature.then(|| arms(model, roles, Derivative::Hessian));
+    let code = quote!(#of_roles #of_bath);
     let opened = opened(model, &code);
-    let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
+    let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
     (!code.is_empty()).then(|| {
         quote! {
             fn hessian<__S: __wzvi::Scalar>(
                 &self,
-                __part: #usize,
+                __role: #elements::Role,
                 __weight: #f64,
                 __at: &__wzvi::elements::EvaluationPoint<'_, __S>,
                 __partials: __wzvi::elements::Partials,
                 __into: &mut impl __wzvi::FnMut(__wzvi::elements::HessianBlock, [#usize; 2], __wzvi::bool, __S),
             ) {
                 #opened
-                match __part {
+                match __role {
                     #code
                     _ => {}
                 }

@@ -5,7 +5,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::chunk::{InnerLoop, gathers, partners};
-use crate::discretise::{PartElements, unweighted};
+use crate::discretise::{RoleElements, unweighted};
 use crate::emit::plan::degrees;
 use crate::indices::Indices;
 use crate::input::Shape;
@@ -13,16 +13,16 @@ use crate::model::{Atom, Element, Index, Loop, Reads, System};
 use crate::symbolic::{Expr, Function, Node, Symbol};
 
 /// All elements that slopes are taken of.
-fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<Item = &'a Element> {
-    let of_parts = parts.iter().flat_map(|part| &part.elements).map(|weighted| &weighted.element);
-    of_parts.chain(model.summands.iter().flat_map(|term| &term.elements))
+fn elements<'a>(model: &'a System, roles: &'a [RoleElements]) -> impl Iterator<Item = &'a Element> {
+    let of_roles = roles.iter().flat_map(|known| &known.elements).map(|weighted| &weighted.element);
+    of_roles.chain(model.summands.iter().flat_map(|term| &term.elements))
 }
 
 /// Whether the system can be stepped window by window, and is large enough if its size is known at compile
 /// time; `None` if not.
-pub(super) fn allows_tiles(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
+pub(super) fn allows_tiles(model: &mut System, roles: &[RoleElements]) -> Option<TokenStream> {
     let has_loops = model.degrees_in_straight_lines().is_none();
-    let are_local = has_loops && is_contiguous(model, parts) && acts_on_all_it_reads(model, parts);
+    let are_local = has_loops && is_contiguous(model, roles) && acts_on_all_it_reads(model, roles);
     match (&model.shape, degrees(model)) {
         (Shape::Array(..), degrees) if are_local => Some(match degrees {
             Some(degrees) => quote!(#degrees >= __wzvi::elements::LEAST_IN_TILES),
@@ -34,7 +34,7 @@ pub(super) fn allows_tiles(model: &mut System, parts: &[PartElements]) -> Option
 
 /// Whether elements that read coordinates add to adjacent places or points, and those that read momenta read
 /// one place or point each and add to it.
-fn is_contiguous(model: &System, parts: &[PartElements]) -> bool {
+fn is_contiguous(model: &System, roles: &[RoleElements]) -> bool {
     let inner_loop = |inner: &Loop| InnerLoop { variable: inner.variable, components: model.components };
     // The places of placements, if they are adjacent.
     let stretch_of = |element: &Element, index: &Index| match element.loops.last() {
@@ -44,7 +44,7 @@ fn is_contiguous(model: &System, parts: &[PartElements]) -> bool {
     if model.conformal.is_some() {
         return false;
     }
-    elements(model, parts).all(|element| match element.reads() {
+    elements(model, roles).all(|element| match element.reads() {
         // A covector may read anything, and collective variables are those of the whole state.
         _ if element.is_covector() || element.collectives().next().is_some() => false,
         Reads { q: false, p: false } => true,
@@ -65,11 +65,11 @@ fn is_contiguous(model: &System, parts: &[PartElements]) -> bool {
 
 /// Whether no element reads a coordinate without acting on it. Then an element reads only windows to which it
 /// contributes.
-fn acts_on_all_it_reads(model: &mut System, parts: &[PartElements]) -> bool {
+fn acts_on_all_it_reads(model: &mut System, roles: &[RoleElements]) -> bool {
     let read = |element: &Element| -> Vec<(Expr, Symbol)> {
         element.coordinates().map(|(symbol, _)| (element.value, symbol)).collect()
     };
-    let read: Vec<(Expr, Symbol)> = elements(model, parts).flat_map(read).collect();
+    let read: Vec<(Expr, Symbol)> = elements(model, roles).flat_map(read).collect();
     read.into_iter().all(|(value, symbol)| {
         let slope = model.graph.derivative(value, symbol);
         !model.graph.is_zero(slope)
@@ -77,17 +77,17 @@ fn acts_on_all_it_reads(model: &mut System, parts: &[PartElements]) -> bool {
 }
 
 /// Whether slopes of some elements are computed in rows of pairs.
-pub(super) fn has_pairs(model: &System, parts: &[PartElements]) -> bool {
+pub(super) fn has_pairs(model: &System, roles: &[RoleElements]) -> bool {
     let indices = Indices::unchecked(&model.tables);
-    let of_parts = parts.iter().flat_map(|part| part.elements.iter().cloned());
+    let of_roles = roles.iter().flat_map(|known| known.elements.iter().cloned());
     let of_drift = model.summands.iter().flat_map(|term| unweighted(&term.elements));
-    of_parts.chain(of_drift).any(|weighted| partners(&weighted, &indices, model.components).is_some())
+    of_roles.chain(of_drift).any(|weighted| partners(&weighted, &indices, model.components).is_some())
 }
 
 /// The halves of the phase space with slopes of gathered elements, if any.
-pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenStream> {
+pub(super) fn gathered(model: &System, roles: &[RoleElements]) -> Option<TokenStream> {
     let gathered =
-        elements(model, parts).filter(|element| gathers(&model.graph, element, &[], model.components));
+        elements(model, roles).filter(|element| gathers(&model.graph, element, &[], model.components));
     let (mut by_q, mut by_p) = (false, false);
     for element in gathered {
         let is_force = element.is_covector();
@@ -99,8 +99,8 @@ pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenSt
 
 /// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or
 /// points, and nothing else.
-pub(super) fn has_uniform_velocity(model: &System, parts: &[PartElements]) -> bool {
-    let mut read = elements(model, parts).filter(|element| element.reads().p);
+pub(super) fn has_uniform_velocity(model: &System, roles: &[RoleElements]) -> bool {
+    let mut read = elements(model, roles).filter(|element| element.reads().p);
     let (Some(element), None) = (read.next(), read.next()) else { return false };
     let [only] = element.loops.as_slice() else { return false };
     let is_all = only.start == Index::default() && only.end == model.size;
@@ -117,10 +117,10 @@ pub(super) fn has_uniform_velocity(model: &System, parts: &[PartElements]) -> bo
 }
 
 /// The type for slopes in loops over neighbours: `f64` itself if only correctly rounded functions are called.
-pub(super) fn common_range(model: &System, parts: &[PartElements]) -> TokenStream {
+pub(super) fn common_range(model: &System, roles: &[RoleElements]) -> TokenStream {
     let of_collectives = model.collectives.all().iter().flat_map(|known| &known.elements);
     let values: Vec<Expr> =
-        elements(model, parts).chain(of_collectives).map(|element| element.value).collect();
+        elements(model, roles).chain(of_collectives).map(|element| element.value).collect();
     let reached = model.graph.reachable(&values);
     match reached.into_iter().all(|expr| is_correctly_rounded(model.graph.node(expr))) {
         true => quote!(__wzvi::f64),

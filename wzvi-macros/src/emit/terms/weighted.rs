@@ -1,4 +1,4 @@
-//! Elements with the weight of their part and the increments of their noises. Tests: `tests/loops`.
+//! Elements with the weight of their role and the increments of their noises. Tests: `tests/loops`.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use quote::{format_ident, quote};
 use super::Derivative;
 use super::combine::{Combined, hessian_of};
 use super::kernel::Target;
-use crate::discretise::{PartElements, Weighted, family_of};
+use crate::discretise::{RoleElements, Weighted, family_of};
 use crate::indices::Indices;
 use crate::model::{Element, Half, Index, Reads, System};
 use crate::symbolic::{Expr, Symbol, SymbolKind};
@@ -28,16 +28,16 @@ pub(super) struct ElementEmitter<'m> {
 }
 
 impl ElementEmitter<'_> {
-    /// The condition of a part, if there is a single one, and the code of its elements: their value, or
+    /// The condition of a role, if there is a single one, and the code of its elements: their value, or
     /// statements that add their derivatives.
-    pub(super) fn part(&mut self, part: &PartElements) -> (Option<TokenStream>, TokenStream) {
+    pub(super) fn role(&mut self, known: &RoleElements) -> (Option<TokenStream>, TokenStream) {
         let is_value = self.derivative == Derivative::Value;
-        let sum = if is_value { &part.values } else { &part.elements };
+        let sum = if is_value { &known.values } else { &known.elements };
         let mut code = Vec::new();
         // Elements with the same increments are grouped.
         for group in sum.chunk_by(|a, b| a.increments == b.increments) {
             let Some(first) = group.first() else { continue };
-            let weight = self.weight(part, first);
+            let weight = self.weight(known, first);
             let body = self.group(group, Some(&weight));
             if !body.is_empty() {
                 code.push((self.condition(first), body));
@@ -180,10 +180,10 @@ impl ElementEmitter<'_> {
         outputs
     }
 
-    /// The product of the increments of an element of a part, and the weight of the part.
-    pub(super) fn weight(&self, part: &PartElements, Weighted { increments, .. }: &Weighted) -> TokenStream {
+    /// The product of the increments of an element, and the weight of its role.
+    pub(super) fn weight(&self, known: &RoleElements, Weighted { increments, .. }: &Weighted) -> TokenStream {
         let indices = Indices::unchecked(&self.model.tables);
-        let factor = part.is_weighted.then(|| quote!(*__weight));
+        let factor = known.is_weighted.then(|| quote!(*__weight));
         let increments = increments.iter().map(|number| {
             let position = indices.position(number);
             self.derivative.lifted(quote!(__at.increment(#position)))

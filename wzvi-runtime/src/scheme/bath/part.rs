@@ -308,13 +308,13 @@ const fn drives<T: Elements>() -> bool {
 /// `kT` of a bath at one constant temperature.
 pub(super) fn temperature<T: Elements>(system: &T) -> Option<f64> {
     let friction = Damped::<T>::FRICTION;
-    let is_one = friction.temperature.is_some() && !friction.is_out_of_equilibrium();
+    let is_one = friction.is_heated && !friction.is_out_of_equilibrium();
     is_one.then(|| Relaxation::<f64>::check((system, &[]), friction).ok()).flatten()
 }
 
 /// The number of standard normals that drive a step with `parts` O parts.
 pub(super) fn normals<T: Elements>(degrees: usize, parts: usize) -> usize {
-    if Damped::<T>::FRICTION.temperature.is_some() { parts * degrees } else { 0 }
+    if Damped::<T>::FRICTION.is_heated { parts * degrees } else { 0 }
 }
 
 /// The O parts of a step.

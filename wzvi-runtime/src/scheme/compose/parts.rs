@@ -24,7 +24,9 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::algebra::state_sum::{self, PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::elements::{Elements, EvaluationPoint, PairColumns, Partials, check_new, forces, slopes};
+use crate::scheme::elements::{
+    Elements, EvaluationPoint, PairColumns, Partials, Role, check_new, forces, slopes,
+};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
     Hamiltonian as _, LiftParameter, Movable, Properties, Scheme, Segment, StepArguments, as_they_are,
@@ -46,9 +48,9 @@ pub enum Form {
 struct TwoParts<F>(PhantomData<F>);
 
 impl<F: Elements> TwoParts<F> {
-    /// As [`Facts::parts`](crate::scheme::plan::Facts::parts).
-    const OF_DRIFT: (usize, [Form; 2]) =
-        F::FACTS.parts.expect("the drift is declared in two parts, `drift = [H_A, H_B]`");
+    /// As [`Facts::summands`](crate::scheme::plan::Facts::summands).
+    const FORMS: [Form; 2] =
+        F::FACTS.summands.expect("the drift is declared in two parts, `drift = [H_A, H_B]`");
 }
 
 /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as wanted.
@@ -66,8 +68,8 @@ fn gradient_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     by_p.fill(S::from_f64(0.0));
     let at = EvaluationPoint { h, ..EvaluationPoint::new([q, p], t, parameters, &[]) };
     let wanted = Partials { by_q: BY_Q, by_p: BY_P };
-    let part = (TwoParts::<F>::OF_DRIFT.0 + part as usize, 1.0);
-    slopes(system, part, &at, wanted, by_q, by_p, columns);
+    let summand = Role::Summand(part as usize).times(1.0);
+    slopes(system, summand, &at, wanted, by_q, by_p, columns);
 }
 
 /// The flows of the two parts in turn.
@@ -108,7 +110,7 @@ fn prepare<F: Elements, K: Constant>(
     let mut known: Vec<(Stage, Arc<LinearFlow<K>>)> = Vec::new();
     let mut act = |stage: &Stage| {
         let half = stage.act;
-        match TwoParts::<F>::OF_DRIFT.1[half as usize] {
+        match TwoParts::<F>::FORMS[half as usize] {
             Form::Coordinates => return Ok(Act::Kick(half)),
             Form::Momenta => return Ok(Act::Drift(half)),
             Form::Quadratic => {}
@@ -195,9 +197,8 @@ impl<E, T, W: Composes<E, T>> PartFlows<Substeps<E, T, W>> {
         let StageList(stages) = prepared.stages;
         let action = |stage: &Stage<Act<f64>>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = |half: Half| {
-                let part = TwoParts::<F>::OF_DRIFT.0 + half as usize;
                 let at = EvaluationPoint::new([q, p], t + stage.node * h, &[], &[]);
-                stage.weight * h * system.value(part, 1.0, &at)
+                stage.weight * h * system.value(Role::Summand(half as usize), 1.0, &at)
             };
             match &stage.act {
                 Act::Kick(half) => -value(*half),

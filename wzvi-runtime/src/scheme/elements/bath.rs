@@ -1,13 +1,12 @@
 //! Friction of any sum of elements, for thermostats.
 
 use super::step::nothing;
-use super::{Elements, EvaluationPoint, HessianBlock, PairColumns, Partials, slopes};
+use super::{Elements, EvaluationPoint, HessianBlock, PairColumns, Partials, Role, slopes};
 use crate::algebra::scalar::Scalar;
 
-/// The friction rates, from the derivatives of part number `part`, a covector.
+/// The friction rates, from the derivatives of a covector.
 pub(crate) fn rates<H: Elements, S: Scalar>(
     system: (&H, &[S::Constant]),
-    part: usize,
     q: &[S],
     into: &mut [S],
     columns: &mut PairColumns,
@@ -18,15 +17,14 @@ pub(crate) fn rates<H: Elements, S: Scalar>(
     let (system, parameters) = system;
     let at = EvaluationPoint::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
     into.fill(S::from_f64(0.0));
-    slopes(system, (part, 1.0), &at, Partials::BY_COORDINATES, into, &mut [], columns);
+    slopes(system, Role::Friction.times(1.0), &at, Partials::BY_COORDINATES, into, &mut [], columns);
     // A covector `f` has the derivatives `-f`.
     into.iter_mut().for_each(|entry| *entry = -*entry);
 }
 
-/// The entries of part number `part`, a covector of the time alone.
-pub(crate) fn covector<H: Elements, S: Scalar>(
+/// The temperatures by degree of freedom, a covector of the time alone.
+pub(crate) fn temperatures<H: Elements, S: Scalar>(
     (system, parameters): (&H, &[S::Constant]),
-    part: usize,
     t: S::Constant,
     into: &mut [S],
 ) {
@@ -34,15 +32,15 @@ pub(crate) fn covector<H: Elements, S: Scalar>(
     let zeros = vec![nothing(); into.len()];
     let at = EvaluationPoint::new([&*zeros, &*zeros], t, parameters, &[]);
     into.fill(S::from_f64(0.0));
-    slopes(system, (part, 1.0), &at, Partials::BY_COORDINATES, into, &mut [], &mut PairColumns::default());
+    let columns = &mut PairColumns::default();
+    slopes(system, Role::Temperature.times(1.0), &at, Partials::BY_COORDINATES, into, &mut [], columns);
     // A covector `f` has the derivatives `-f`.
     into.iter_mut().for_each(|entry| *entry = -*entry);
 }
 
-/// `Γ` by rows, the matrix of part number `part`, a covector that is linear in the momenta.
+/// `Γ` by rows, from the friction, a covector that is linear in the momenta.
 pub(crate) fn damping<H: Elements, S: Scalar>(
     (system, parameters): (&H, &[S::Constant]),
-    part: usize,
     q: &[S],
     into: &mut [S],
 ) {
@@ -59,5 +57,5 @@ pub(crate) fn damping<H: Elements, S: Scalar>(
             into[i * degrees + j] = into[i * degrees + j] - value;
         }
     };
-    system.hessian(part, 1.0, &at, Partials::BY_COORDINATES, &mut add);
+    system.hessian(Role::Friction, 1.0, &at, Partials::BY_COORDINATES, &mut add);
 }

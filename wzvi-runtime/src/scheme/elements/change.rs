@@ -216,7 +216,8 @@ mod tests {
 
     use super::super::memory::LoopMemory;
     use super::super::{
-        ElementInput, EvaluationPoint, HessianBlock, Linearity, MomentumUpdate, Partials, Quadrature, Sums,
+        ElementInput, EvaluationPoint, HessianBlock, Linearity, MomentumUpdate, Partials, Quadrature, Role,
+        Sums,
     };
     use super::*;
     use crate::algebra::scalar::Number;
@@ -238,12 +239,12 @@ mod tests {
         fn degrees(&self) -> usize {
             self.mass.len()
         }
-        fn value<S: Scalar>(&self, _: usize, _: f64, _: &EvaluationPoint<'_, S>) -> S {
+        fn value<S: Scalar>(&self, _: Role, _: f64, _: &EvaluationPoint<'_, S>) -> S {
             S::from_f64(f64::NAN)
         }
         fn gradient<S: Scalar, T: Number<S>>(
             &self,
-            _: usize,
+            _: Role,
             weight: f64,
             at: &EvaluationPoint<'_, S, impl ElementInput<S> + ?Sized>,
             wanted: Partials,
@@ -263,7 +264,7 @@ mod tests {
         }
         fn hessian<S: Scalar>(
             &self,
-            _: usize,
+            _: Role,
             _: f64,
             _: &EvaluationPoint<'_, S>,
             _: Partials,
@@ -275,7 +276,8 @@ mod tests {
         }
     }
 
-    const STAGE: QuadraturePoint = QuadraturePoint { point: 0.5, start: 0.5, end: 0.5, parts: &[(0, 1.0)] };
+    const STAGE: QuadraturePoint =
+        QuadraturePoint { point: 0.5, start: 0.5, end: 0.5, roles: &[Role::Drift.times(1.0)] };
     const MIDPOINT: Quadrature = Quadrature {
         stages: &[STAGE],
         update: MomentumUpdate::Multiple(2.0),

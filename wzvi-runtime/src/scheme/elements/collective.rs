@@ -1,6 +1,6 @@
 //! Second derivatives of functions of collective variables: numbers that all sites determine together.
 //!
-//! The first derivatives `F_x(x, c)` of a part read the state and the collective variables `c_m(x)`. So
+//! The first derivatives `F_x(x, c)` of a role read the state and the collective variables `c_m(x)`. So
 //!
 //! ```text
 //! d²F/dx dx = ∂F_x/∂x + Σ_m b_m a_mᵀ,   b_m = ∂F_x/∂c_m,   a_m = dc_m/dx
@@ -9,19 +9,22 @@
 //! with a sparse first term, which [`Elements::hessian`](super::Elements::hessian) gives, and a term of rank
 //! one for each variable that `F_x` reads. Other variables are read by these, and have gradients `a` alone.
 
+use super::role::Role;
 use crate::algebra::scalar::Scalar;
 
-/// The collective variables of a part: sums over sites that stand in nonlinear functions, and slopes by
+/// The collective variables of a role: sums over sites that stand in nonlinear functions, and slopes by
 /// these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CollectiveVariables {
+    /// The role whose terms follow them.
+    pub role: Role,
     /// The number of variables on which its first derivatives depend.
     pub count: usize,
     /// The variables that its first derivatives read themselves, by number.
     pub read: &'static [usize],
 }
 
-/// The terms of rank one of the second derivatives of a part: `a` of each variable and `b` of each that is
+/// The terms of rank one of the second derivatives of a role: `a` of each variable and `b` of each that is
 /// read, by coordinates and then by momenta.
 #[derive(Clone, Debug, Default)]
 pub struct CollectiveHessian<S> {

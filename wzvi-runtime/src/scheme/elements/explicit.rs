@@ -5,7 +5,7 @@ use super::passes::{add, are_finite};
 use super::step::{LoopStep, negate, nothing, subtract_multiple};
 use super::sums::OntoVector;
 use super::tiles::takes_tiles;
-use super::{Elements, LoopMemory, MomentumUpdate, Partials, Quadrature, QuadraturePoint};
+use super::{Elements, LoopMemory, MomentumUpdate, Partials, Quadrature, QuadraturePoint, WeightedRole};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Effort;
 use crate::algebra::state_sum::StateSum;
@@ -15,7 +15,7 @@ use crate::scheme::system::{Movable, StepArguments};
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
 ///
 /// Inlined into the step of one system by one scheme, where the table of the scheme and often the number of
-/// degrees of freedom are constants: loops over stages or parts and checks of lengths disappear. Numbers of
+/// degrees of freedom are constants: loops over stages or roles and checks of lengths disappear. Numbers of
 /// several parts take a separate path: the registers hold only one element of them.
 ///
 /// # Errors
@@ -152,7 +152,7 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn go_on(&self, lists: &mut StepLists<'_, S>) -> bool {
         self.kick(lists);
-        let has_one_velocity = H::FACTS.has_one_velocity && self.scheme.takes_parts_once();
+        let has_one_velocity = H::FACTS.has_one_velocity && self.scheme.takes_roles_once();
         if has_one_velocity && size_of::<S>() == size_of::<f64>() {
             let StepLists { u, momentum, .. } = lists;
             self.drift_onto(momentum, OntoVector { base: self.q, next: u });
@@ -168,8 +168,8 @@ impl<H: Elements + Sync, S: Scalar> LoopStep<'_, H, S> {
     fn drift_onto(&self, momentum: &[S], mut coordinates: OntoVector<'_, S>) {
         for stage in self.scheme.stages {
             let (at, none) = (self.at(stage, self.q, momentum), &mut [][..]);
-            for &(part, weight) in stage.parts {
-                self.system.gradient::<S, S>(part, weight, &at, Partials::BY_MOMENTA, none, &mut coordinates);
+            for &WeightedRole { role, weight } in stage.roles {
+                self.system.gradient::<S, S>(role, weight, &at, Partials::BY_MOMENTA, none, &mut coordinates);
             }
         }
     }

@@ -1,24 +1,14 @@
-//! Sums of elements as a Hamiltonian: values and derivatives of one term from those of the part that it
-//! belongs to.
+//! Sums of elements as a Hamiltonian: values and derivatives of one Hamiltonian from those of its role.
 
 use std::cell::Cell;
 use std::ops::Range;
 
-use super::{Elements, EvaluationPoint, PairColumns, Partials, check, places, slopes};
+use super::{Elements, EvaluationPoint, PairColumns, Partials, Role, check, places, slopes};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
 use crate::scheme::system::{Gradient, Hamiltonian, Kind};
-
-/// The number of the part for the drift, `h H_0`.
-pub(crate) const DRIFT: usize = 0;
-/// The number of the part for the noises, `Σ_k ΔW_k H_k`.
-pub(super) const NOISE: usize = 1;
-/// The number of the part for the counter-terms, of second order in the increments.
-pub(crate) const COUNTER_TERM: usize = 2;
-/// The number of the part for the force beside the drift, with the derivatives `-h f`.
-pub(super) const FORCE: usize = 3;
 
 /// Whether `q` and `p` are those of a state of the system.
 pub(super) fn fits<H: Elements, S>(system: &H, q: &[S], p: &[S]) -> bool {
@@ -27,11 +17,11 @@ pub(super) fn fits<H: Elements, S>(system: &H, q: &[S], p: &[S]) -> bool {
     q.len() == p.len() && (is_empty || check(system, q.len()).is_ok())
 }
 
-/// The part that Hamiltonian `term` belongs to, and its acting noises.
-fn part_of(term: usize) -> (usize, Range<usize>) {
+/// The role of Hamiltonian `term`, and its acting noises.
+fn role_of(term: usize) -> (Role, Range<usize>) {
     match term.checked_sub(1) {
-        None => (DRIFT, 0..0),
-        Some(noise) => (NOISE, noise..term),
+        None => (Role::Drift, 0..0),
+        Some(noise) => (Role::Noise, noise..term),
     }
 }
 
@@ -43,7 +33,7 @@ pub(crate) fn forces<H: Elements, S: Scalar>(
     into: &mut [S],
     columns: &mut PairColumns,
 ) {
-    slopes(system, (FORCE, 1.0), at, Partials::BY_COORDINATES, into, &mut [], columns);
+    slopes(system, Role::Force.times(1.0), at, Partials::BY_COORDINATES, into, &mut [], columns);
     into.iter_mut().for_each(|slope| *slope = -*slope);
 }
 
@@ -104,9 +94,9 @@ impl<H: Elements> Hamiltonian for H {
         if term > self.noises() || !fits(self, q, p) {
             return S::from_f64(f64::NAN);
         }
-        let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
+        let (dw, (role, acting)) = ([S::from_f64(1.0)], role_of(term));
         self.value(
-            part,
+            role,
             1.0,
             &EvaluationPoint { acting, ..EvaluationPoint::new([q, p], Scalar::from_f64(t), &[], &dw) },
         )
@@ -127,10 +117,10 @@ impl<H: Elements> Hamiltonian for H {
         by_q.fill(start);
         by_p.fill(start);
         if is_known {
-            let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
+            let (dw, (role, acting)) = ([S::from_f64(1.0)], role_of(term));
             let at =
                 EvaluationPoint { acting, ..EvaluationPoint::new([q, p], Scalar::from_f64(t), &[], &dw) };
-            with_columns(|columns| slopes(self, (part, 1.0), &at, Partials::ALL, by_q, by_p, columns));
+            with_columns(|columns| slopes(self, role.times(1.0), &at, Partials::ALL, by_q, by_p, columns));
         }
     }
 
@@ -145,7 +135,9 @@ impl<H: Elements> Hamiltonian for H {
         if is_known {
             let at =
                 EvaluationPoint { acting: 0..dw.len(), ..EvaluationPoint::new([q, p], state.t, &[], dw) };
-            with_columns(|columns| slopes(self, (NOISE, 1.0), &at, Partials::ALL, by_q, by_p, columns));
+            with_columns(|columns| {
+                slopes(self, Role::Noise.times(1.0), &at, Partials::ALL, by_q, by_p, columns)
+            });
         }
     }
 
@@ -163,6 +155,6 @@ impl<H: Elements> Hamiltonian for H {
         if number >= self.invariants() || !fits(self, q, p) {
             return f64::NAN;
         }
-        self.value(H::FACTS.integrals + number, 1.0, &EvaluationPoint::new([q, p], state.t, &[], &[]))
+        self.value(Role::Integral(number), 1.0, &EvaluationPoint::new([q, p], state.t, &[], &[]))
     }
 }

@@ -1,12 +1,12 @@
 //! The discrete Lagrangian of a scheme, its gradient, and the momentum of a step: all from the stages and the
-//! parts of the step Hamiltonian.
+//! roles that are evaluated there.
 
 use super::hamiltonian::fits;
 use super::rounding::lift;
 use super::step::{LoopStep, decay};
 use super::{
     Elements, EvaluationPoint, LoopMemory, PairColumns, Partials, Quadrature, QuadraturePoint, Unknowns,
-    slopes,
+    WeightedRole, slopes,
 };
 use crate::algebra::scalar::{Rounded, Scalar, larger};
 use crate::algebra::state::{State, Vector};
@@ -19,14 +19,13 @@ fn increment_of<H: Elements>(system: &H, segment: &Segment<H::Vector>, dw: &[f64
     fits.then(|| differences(q0, q1))
 }
 
-/// Calls `take` with each part of the step Hamiltonian, its stage, its weight and its point, for a segment of
-/// this increment.
-fn for_each_part<H: Elements>(
+/// Calls `take` with each stage, each weighted role there and their point, for a segment of this increment.
+fn for_each_role<H: Elements>(
     (system, scheme): (&H, &Quadrature),
     segment: &Segment<H::Vector>,
     increment: &[f64],
     dw: &[f64],
-    mut take: impl FnMut(usize, &QuadraturePoint, f64, &EvaluationPoint<'_, f64>),
+    mut take: impl FnMut(&QuadraturePoint, WeightedRole, &EvaluationPoint<'_, f64>),
 ) {
     let &Segment { ref q0, ref p, t, h, .. } = segment;
     let (q, p) = (q0.components(), p.components());
@@ -34,7 +33,7 @@ fn for_each_part<H: Elements>(
     for stage in scheme.stages {
         let places = along(q, increment, stage.point);
         let at = step.at(stage, &places[..], p);
-        stage.parts.iter().for_each(|&(part, weight)| take(part, stage, weight, &at));
+        stage.roles.iter().for_each(|&weighted| take(stage, weighted, &at));
     }
 }
 
@@ -47,8 +46,8 @@ pub(crate) fn discrete_lagrangian<H: Elements>(
 ) -> f64 {
     let Some(u) = increment_of(system, segment, dw) else { return f64::NAN };
     let mut value = dot(segment.p.components(), &u);
-    for_each_part((system, scheme), segment, &u, dw, |part, _, weight, at| {
-        value -= system.value(part, weight, at);
+    for_each_role((system, scheme), segment, &u, dw, |_, WeightedRole { role, weight }, at| {
+        value -= system.value(role, weight, at);
     });
     value
 }
@@ -73,10 +72,10 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     by_momentum.copy_from_slice(&u);
     let mut force = vec![0.0; by_start.len()];
     let (mut velocity, columns) = (force.clone(), &mut PairColumns::default());
-    for_each_part((system, scheme), segment, &u, dw, |part, stage, weight, at| {
+    for_each_role((system, scheme), segment, &u, dw, |stage, weighted, at| {
         force.fill(0.0);
         velocity.fill(0.0);
-        slopes(system, (part, weight), at, Partials::ALL, &mut force, &mut velocity, columns);
+        slopes(system, weighted, at, Partials::ALL, &mut force, &mut velocity, columns);
         for i in 0..force.len() {
             by_start[i] -= stage.start * force[i];
             by_end[i] -= stage.end * force[i];

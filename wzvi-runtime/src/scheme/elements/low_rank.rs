@@ -13,7 +13,7 @@ use std::ops::Mul;
 use super::collective::CollectiveHessian;
 use super::memory::StepLists;
 use super::step::LoopStep;
-use super::{Elements, Quadrature, Unknowns};
+use super::{Elements, Quadrature, Unknowns, WeightedRole};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Banded;
 use crate::error::StepFailure;
@@ -24,19 +24,19 @@ pub(super) struct RankOneTerms<S> {
     unknowns: usize,
     u: Vec<S>,
     v: Vec<S>,
-    part: CollectiveHessian<S>,
+    of_role: CollectiveHessian<S>,
 }
 
 impl<S: Scalar> RankOneTerms<S> {
-    /// Room for the terms in the Jacobian of a scheme, and for those of each part.
+    /// Room for the terms in the Jacobian of a scheme, and for those of each role.
     pub(super) fn new<H: Elements>(scheme: &Quadrature, degrees: usize) -> Self {
         let unknowns = scheme.unknowns.count(degrees);
         let zeros = vec![S::from_f64(0.0); count_terms::<H>(scheme) * unknowns];
-        let mut part = CollectiveHessian::default();
+        let mut of_role = CollectiveHessian::default();
         if !zeros.is_empty() {
-            H::FACTS.collective_variables.iter().for_each(|variables| part.begin(degrees, variables));
+            H::FACTS.collective_variables.iter().for_each(|variables| of_role.begin(degrees, variables));
         }
-        Self { unknowns, u: zeros.clone(), v: zeros, part }
+        Self { unknowns, u: zeros.clone(), v: zeros, of_role }
     }
 
     /// The number of terms.
@@ -174,7 +174,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         into: &mut RankOneTerms<S>,
     ) {
         let StepLists { stages, momentum, .. } = lists;
-        let RankOneTerms { unknowns, u, v, part: terms } = into;
+        let RankOneTerms { unknowns, u, v, of_role: terms } = into;
         let degrees = self.degrees();
         let size = (*unknowns).max(1);
         let mut rows = u.chunks_exact_mut(size).zip(v.chunks_exact_mut(size));
@@ -182,10 +182,10 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
             let (q, p): (&[S], &[S]) = (stages.at(s).0, momentum);
             let at = self.at(stage, q, p);
             let (point, start) = (stage.point, stage.start);
-            for &(part, weight) in stage.parts {
-                let Some(variables) = H::FACTS.collective_variables.get(part) else { continue };
+            for &WeightedRole { role, weight } in stage.roles {
+                let Some(variables) = H::FACTS.collective_variables_of(role) else { continue };
                 terms.begin(degrees, variables);
-                self.system.collective_hessian(part, weight, &at, terms);
+                self.system.collective_hessian(role, weight, &at, terms);
                 for ([[a_q, a_p], [b_q, b_p]], (u, v)) in terms.terms().zip(&mut rows) {
                     // All four lists, and the diagonal, have an entry for each degree of freedom.
                     if self.scheme.unknowns == Unknowns::Both {
@@ -208,6 +208,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
 
 /// The number of terms of rank one in the Jacobian of a scheme.
 fn count_terms<H: Elements>(scheme: &Quadrature) -> usize {
-    let parts = scheme.stages.iter().flat_map(|stage| stage.parts);
-    parts.filter_map(|&(part, _)| H::FACTS.collective_variables.get(part)).map(|known| known.read.len()).sum()
+    let roles = scheme.stages.iter().flat_map(|stage| stage.roles);
+    let known = roles.filter_map(|weighted| H::FACTS.collective_variables_of(weighted.role));
+    known.map(|known| known.read.len()).sum()
 }

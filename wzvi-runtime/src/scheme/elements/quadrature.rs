@@ -1,6 +1,6 @@
 //! The quadrature of a scheme, as the compiler derived it.
 
-use super::hamiltonian::{COUNTER_TERM, DRIFT, NOISE};
+use super::role::{Role, WeightedRole};
 use crate::algebra::scalar::Scalar;
 use crate::scheme::plan::{Facts, KeptEnergy, Plan, Solver};
 use crate::scheme::poles::Poles;
@@ -59,8 +59,7 @@ impl Unknowns {
     }
 }
 
-/// A quadrature point of the discrete Lagrangian, and the part of the step Hamiltonian that is evaluated
-/// there.
+/// A quadrature point of the discrete Lagrangian, and what is evaluated there of the step Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadraturePoint {
     /// `c` in `Q = q_i + c u`, `T = t_i + c h`.
@@ -69,14 +68,14 @@ pub struct QuadraturePoint {
     pub start: f64,
     /// `∂Q/∂q_{i+1}`, the weight of the derivatives in `D_2 L_d`.
     pub end: f64,
-    /// The parts that are evaluated here, by number, with their weights.
-    pub parts: &'static [(usize, f64)],
+    /// The roles of the terms that are evaluated here, with their weights.
+    pub roles: &'static [WeightedRole],
 }
 
 impl QuadraturePoint {
-    /// The point, `∂Q/∂q_i` and `∂Q/∂q_{i+1}`, and the parts there.
-    pub const fn new([point, start, end]: [f64; 3], parts: &'static [(usize, f64)]) -> Self {
-        Self { point, start, end, parts }
+    /// The point, `∂Q/∂q_i` and `∂Q/∂q_{i+1}`, and the roles there.
+    pub const fn new([point, start, end]: [f64; 3], roles: &'static [WeightedRole]) -> Self {
+        Self { point, start, end, roles }
     }
 }
 
@@ -140,12 +139,12 @@ impl Quadrature {
     pub(crate) const fn kept_energy(&self, order: u32) -> KeptEnergy {
         let (mut stages, mut point, mut count) = (self.stages, 0.5, 0);
         while let [stage, rest @ ..] = stages {
-            let mut parts = stage.parts;
-            while let [(part, _), others @ ..] = parts {
-                if *part == DRIFT {
+            let mut roles = stage.roles;
+            while let [weighted, others @ ..] = roles {
+                if matches!(weighted.role, Role::Drift) {
                     (point, count) = (stage.point, count + 1);
                 }
-                parts = others;
+                roles = others;
             }
             stages = rest;
         }
@@ -160,17 +159,17 @@ impl Quadrature {
     pub(crate) const fn poles(&self) -> Option<Poles> {
         let (mut stages, mut means) = (self.stages, [0.0, 0.0]);
         while let [stage, rest @ ..] = stages {
-            let mut parts = stage.parts;
-            while let [(part, weight), others @ ..] = parts {
-                match *part {
-                    DRIFT => means[0] += *weight * stage.point,
-                    NOISE => means[1] += *weight * stage.point,
+            let mut roles = stage.roles;
+            while let [WeightedRole { role, weight }, others @ ..] = roles {
+                match role {
+                    Role::Drift => means[0] += *weight * stage.point,
+                    Role::Noise => means[1] += *weight * stage.point,
                     // A counter-term has products of increments, and forces beside the drift have the points
                     // of the drift.
-                    COUNTER_TERM => return None,
+                    Role::CounterTerm => return None,
                     _ => {}
                 }
-                parts = others;
+                roles = others;
             }
             stages = rest;
         }
@@ -207,12 +206,12 @@ impl Quadrature {
     const fn has_centred_noise(&self) -> bool {
         let (mut stages, mut lever) = (self.stages, 0.0);
         while let [stage, rest @ ..] = stages {
-            let mut parts = stage.parts;
-            while let [(part, weight), others @ ..] = parts {
-                if *part != DRIFT {
+            let mut roles = stage.roles;
+            while let [WeightedRole { role, weight }, others @ ..] = roles {
+                if !matches!(role, Role::Drift) {
                     lever += *weight * (stage.point - 0.5);
                 }
-                parts = others;
+                roles = others;
             }
             stages = rest;
         }
@@ -220,13 +219,13 @@ impl Quadrature {
         lever.abs() < 1e-12
     }
 
-    /// Whether no part is evaluated at two stages.
+    /// Whether no role is evaluated at two stages.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn takes_parts_once(&self) -> bool {
-        let numbers = |stage: &'static QuadraturePoint| stage.parts.iter().map(|&(part, _)| part);
+    pub(super) fn takes_roles_once(&self) -> bool {
+        let roles = |stage: &'static QuadraturePoint| stage.roles.iter().map(|weighted| weighted.role);
         let stages = self.stages.iter().enumerate();
         let mut earlier =
             stages.flat_map(|(s, stage)| self.stages[..s].iter().map(move |other| (stage, other)));
-        earlier.all(|(stage, other)| numbers(stage).all(|part| numbers(other).all(|known| known != part)))
+        earlier.all(|(stage, other)| roles(stage).all(|role| roles(other).all(|known| known != role)))
     }
 }

@@ -2,7 +2,7 @@
 //! the unknowns.
 //!
 //! This code is inlined into the step of one system by one scheme, where the table of the scheme and often
-//! the number of degrees of freedom are constants: loops over stages or parts and checks of lengths
+//! the number of degrees of freedom are constants: loops over stages or roles and checks of lengths
 //! disappear. Where neither speed nor allocation matters, it is compiled once for all schemes.
 
 use super::lanes::is_in_lanes;
@@ -10,7 +10,7 @@ use super::memory::StepLists;
 use super::passes::{add, are_finite};
 use super::{
     ElementInput, Elements, EvaluationPoint, HessianBlock, MomentumUpdate, PairColumns, Partials, Quadrature,
-    QuadraturePoint, Sums, Unknowns, slopes,
+    QuadraturePoint, Sums, Unknowns, WeightedRole, slopes,
 };
 use crate::algebra::scalar::{Constant, Number, Scalar};
 use crate::algebra::state_sum::StateSum;
@@ -151,7 +151,7 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         }
     }
 
-    /// Adds the derivatives of the parts at a stage.
+    /// Adds the derivatives of the roles at a stage.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn gradient(
         &self,
@@ -165,16 +165,16 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         let at = self.at(stage, q, p);
         // Paths that are solved side by side stay in the vector instructions of their caller.
         let is_here = const { is_in_lanes::<S>() } && self.scheme.unknowns != Unknowns::None;
-        for &part in stage.parts {
+        for &weighted in stage.roles {
             if is_here || size_of::<S>() == size_of::<f64>() {
-                slopes(self.system, part, &at, wanted, by_q, by_p, columns);
+                slopes(self.system, weighted, &at, wanted, by_q, by_p, columns);
             } else {
-                gradient_outlined(self.system, part, &at, wanted, by_q, by_p, columns);
+                gradient_outlined(self.system, weighted, &at, wanted, by_q, by_p, columns);
             }
         }
     }
 
-    /// Adds the second derivatives of the parts at a stage.
+    /// Adds the second derivatives of the roles at a stage.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn hessian(
         &self,
@@ -185,8 +185,8 @@ impl<H: Elements, S: Scalar> LoopStep<'_, H, S> {
         into: &mut impl FnMut(HessianBlock, [usize; 2], bool, S),
     ) {
         let at = self.at(stage, q, p);
-        for &(part, weight) in stage.parts {
-            self.system.hessian(part, weight, &at, wanted, into);
+        for &WeightedRole { role, weight } in stage.roles {
+            self.system.hessian(role, weight, &at, wanted, into);
         }
     }
 
@@ -257,11 +257,11 @@ impl<H: Elements> LoopStep<'_, H, f64> {
             }
             // Elements of one half of the phase space read nothing of the other.
             let at = self.at(stage, state, state);
-            for &(part, weight) in stage.parts {
+            for &WeightedRole { role, weight } in stage.roles {
                 if wanted.by_q {
-                    self.system.gradient::<f64, T>(part, weight, &at, wanted, into, none);
+                    self.system.gradient::<f64, T>(role, weight, &at, wanted, into, none);
                 } else {
-                    self.system.gradient::<f64, T>(part, weight, &at, wanted, none, into);
+                    self.system.gradient::<f64, T>(role, weight, &at, wanted, none, into);
                 }
             }
         }
@@ -301,14 +301,14 @@ fn damp<S: Scalar>(dp: &mut [S], p: &[S], decay: S) {
 #[inline(never)]
 fn gradient_outlined<H: Elements, S: Scalar>(
     system: &H,
-    part: (usize, f64),
+    weighted: WeightedRole,
     at: &EvaluationPoint<'_, S>,
     wanted: Partials,
     by_q: &mut [S],
     by_p: &mut [S],
     columns: &mut PairColumns,
 ) {
-    slopes(system, part, at, wanted, by_q, by_p, columns);
+    slopes(system, weighted, at, wanted, by_q, by_p, columns);
 }
 
 impl<S: Scalar> StepLists<'_, S> {

@@ -18,7 +18,7 @@ use crate::algebra::state::{State, Vector};
 use crate::error::{DerivativeError, StepError, StepFailure, wrong};
 use crate::ground::names::short_name;
 use crate::increments::Noise;
-use crate::scheme::elements::{COUNTER_TERM, QuadraturePoint};
+use crate::scheme::elements::{QuadraturePoint, Role, WeightedRole};
 use crate::scheme::system::{Discretized, Gradient, Scheme, SchemeOf, as_they_are};
 use crate::trajectory::Error;
 use crate::trajectory::steps::StepToTake;
@@ -154,19 +154,21 @@ fn are_adjoint<H: Discretized<E> + Discretized<T>, E, T>() -> bool {
     }
 }
 
-/// Whether each part of the step Hamiltonian at a point `l` is at `1 - l` among `theirs`, with the same
+/// Whether each role at a point `l` is at `1 - l` among `theirs`, with the same
 /// weight. Counter-terms are of second order in the increments, which change their signs: their weight
 /// `1/2 - l` does, too.
 fn are_mirrored(ours: &[QuadraturePoint], theirs: &[QuadraturePoint]) -> bool {
     // Points and weights are fractions of small numbers, rounded.
     let is_same = |a: f64, b: f64| (a - b).abs() < 4.0 * f64::EPSILON;
-    let is_there = |point: f64, part: usize, weight: f64| {
+    let is_there = |point: f64, role: Role, weight: f64| {
         let at_point = theirs.iter().filter(|stage| is_same(stage.point, point));
-        at_point.flat_map(|stage| stage.parts).any(|&(other, w)| other == part && is_same(w, weight))
+        at_point
+            .flat_map(|stage| stage.roles)
+            .any(|other| other.role == role && is_same(other.weight, weight))
     };
-    let is_mirrored = |&QuadraturePoint { point, parts, .. }: &QuadraturePoint| {
-        parts.iter().all(|&(part, weight)| {
-            is_there(1.0 - point, part, if part == COUNTER_TERM { -weight } else { weight })
+    let is_mirrored = |&QuadraturePoint { point, roles, .. }: &QuadraturePoint| {
+        roles.iter().all(|&WeightedRole { role, weight }| {
+            is_there(1.0 - point, role, if role == Role::CounterTerm { -weight } else { weight })
         })
     };
     ours.iter().all(is_mirrored)

@@ -11,7 +11,7 @@ use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::Number;
 use crate::scheme::elements::gather::LEAST_GATHERED;
 use crate::scheme::elements::sums::{ElementInput, PointRun, Sums, VectorRun};
-use crate::scheme::elements::{Elements, EvaluationPoint, Partials};
+use crate::scheme::elements::{Elements, EvaluationPoint, Partials, WeightedRole};
 
 /// Degrees of freedom from which the copy into columns pays.
 pub(in crate::scheme::elements) const LEAST_IN_COLUMNS: usize = 64;
@@ -155,7 +155,7 @@ pub(in crate::scheme::elements) fn takes_vectors<H: Elements>(wanted: Partials, 
 /// [`Elements::gradient`] with rows in columns and blocks of placements.
 struct InColumns<'a, H: Elements> {
     system: &'a H,
-    part: (usize, f64),
+    weighted: WeightedRole,
     at: &'a EvaluationPoint<'a, f64>,
     wanted: Partials,
     by_q: ColumnSums<'a, H::CommonRange>,
@@ -167,8 +167,8 @@ impl<H: Elements> Kernel for InColumns<'_, H> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
-        let Self { system, part: (part, weight), at, wanted, mut by_q, mut by_p } = self;
-        system.gradient::<f64, f64>(part, weight, at, wanted, &mut by_q, &mut by_p);
+        let Self { system, weighted: WeightedRole { role, weight }, at, wanted, mut by_q, mut by_p } = self;
+        system.gradient::<f64, f64>(role, weight, at, wanted, &mut by_q, &mut by_p);
     }
 }
 
@@ -176,7 +176,7 @@ impl<H: Elements> Kernel for InColumns<'_, H> {
 #[inline(never)]
 pub(in crate::scheme::elements) fn gradient_in_columns<H: Elements>(
     system: &H,
-    part: (usize, f64),
+    weighted: WeightedRole,
     at: &EvaluationPoint<'_, f64>,
     wanted: Partials,
     by_q: &mut [f64],
@@ -186,5 +186,5 @@ pub(in crate::scheme::elements) fn gradient_in_columns<H: Elements>(
     let by_q = ColumnSums { sums: by_q, room, number: PhantomData };
     // No rows add to these.
     let by_p = ColumnSums { sums: by_p, room: &mut PairColumns::default(), number: PhantomData };
-    InstructionSet::best().run(InColumns { system, part, at, wanted, by_q, by_p });
+    InstructionSet::best().run(InColumns { system, weighted, at, wanted, by_q, by_p });
 }

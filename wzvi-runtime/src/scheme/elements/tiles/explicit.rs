@@ -14,7 +14,7 @@ use crate::scheme::elements::{
 /// is compiled for other systems.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(in crate::scheme::elements) fn takes_tiles(scheme: &Quadrature, degrees: usize) -> bool {
-    let is_explicit = scheme.unknowns == Unknowns::None && scheme.takes_parts_once();
+    let is_explicit = scheme.unknowns == Unknowns::None && scheme.takes_roles_once();
     degrees >= LEAST_IN_TILES && is_explicit && (kicks_first(scheme) || kicks_last(scheme))
 }
 
