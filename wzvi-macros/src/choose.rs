@@ -16,8 +16,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::discretise::Dependencies;
 use crate::discretise::structure::MOST_ISOLATED;
+use crate::discretise::{ByUnknown, Dependencies, Unknown};
 use crate::embedding::{Correction, Embedding, Points};
 use crate::model::{Element, Form, Half, Index, Loop, Slot, System};
 use crate::passes::collect::sketched;
@@ -110,12 +110,12 @@ pub(crate) fn choose(system: &mut System, listed: &[Embedding]) -> Choice {
     Choice { steps, slopes: of(are_slopes_straight), elements: of(are_straight) }
 }
 
-/// An equation that reads an unknown: `u_i` has the number `i`, `v_i` that after all of `u`.
+/// An equation, named by the unknown that it is for, that reads an unknown.
 struct Coupling {
-    equation: usize,
-    unknown: usize,
+    equation: Unknown,
+    unknown: Unknown,
     /// The unknowns on which the derivative of the equation by this one depends.
-    varies_with: Vec<usize>,
+    varies_with: Vec<Unknown>,
 }
 
 /// The blocks and the operations of a system, by which the forms are chosen.
@@ -164,19 +164,19 @@ impl Sketch {
         if self.has_correction || step.correction() == Correction::Corrected {
             couplings.extend(self.products().iter().filter_map(|known| self.taken(known, &of_noise)));
         }
-        let mut reads = vec![Vec::new(); 2 * self.degrees];
+        let mut reads = ByUnknown::of(self.degrees, |_| Vec::new());
         for Coupling { equation, unknown, .. } in &couplings {
             if !reads[*equation].contains(unknown) {
                 reads[*equation].push(*unknown);
             }
         }
         let components = Dependencies::of(reads.clone()).components();
-        let mut block_of = vec![0; 2 * self.degrees];
+        let mut block_of = ByUnknown::of(self.degrees, |_| 0);
         for (block, component) in components.iter().enumerate() {
             component.iter().for_each(|&unknown| block_of[unknown] = block);
         }
         let is_assigned =
-            |component: &Vec<usize>| component.len() == 1 && !reads[component[0]].contains(&component[0]);
+            |component: &Vec<Unknown>| component.len() == 1 && !reads[component[0]].contains(&component[0]);
         if components.iter().all(is_assigned) {
             return None;
         }
@@ -207,11 +207,11 @@ impl Sketch {
     fn products(&self) -> Vec<Coupling> {
         let mut products = Vec::new();
         for place in 0..self.degrees {
-            let there = self.noise.iter().filter(|known| known.equation % self.degrees == place);
-            let mut read: Vec<usize> = there.map(|known| known.unknown).collect();
+            let there = self.noise.iter().filter(|known| known.equation.degree() == place);
+            let mut read: Vec<Unknown> = there.map(|known| known.unknown).collect();
             read.sort_unstable();
             read.dedup();
-            let equations = read.iter().map(|unknown| (unknown + self.degrees) % (2 * self.degrees));
+            let equations = read.iter().map(|unknown| unknown.conjugate());
             for equation in equations.filter(|_| self.noise_reads == [true, true]) {
                 products.extend(read.iter().map(|&unknown| Coupling {
                     equation,
@@ -225,7 +225,7 @@ impl Sketch {
 
     /// The coupling in steps with these points, if it is there.
     fn taken(&self, known: &Coupling, points: &Points) -> Option<Coupling> {
-        let is_of_q = |unknown: usize| unknown < self.degrees;
+        let is_of_q = |unknown: Unknown| matches!(unknown, Unknown::Q(_));
         let taken = points.iter().filter(|(l, _)| is_of_q(known.equation) || !l.is_one());
         let taken: Vec<_> = taken.collect();
         let moves = taken.iter().any(|(l, _)| !l.is_zero());
@@ -346,18 +346,19 @@ impl Placer<'_> {
                 Slot::State(half, index) => {
                     let place =
                         usize::try_from(known(index, values)?).ok().filter(|place| *place < self.degrees)?;
-                    if *half == Half::Momenta { self.degrees + place } else { place }
+                    Some(if *half == Half::Momenta { Unknown::P(place) } else { Unknown::Q(place) })
                 }
-                _ => 0,
+                _ => None,
             });
         }
-        // A slope by a coordinate is in the equation of the momentum there, and the other way round.
-        let equation = |unknown: usize| (unknown + self.degrees) % (2 * self.degrees);
-        couplings.extend(pairs.iter().map(|pair| Coupling {
-            equation: equation(unknowns[pair.slope]),
-            unknown: unknowns[pair.read],
-            varies_with: pair.varies_with.iter().map(|&local| unknowns[local]).collect(),
-        }));
+        // Pairs are of locals of the state.
+        for pair in pairs {
+            couplings.push(Coupling {
+                equation: unknowns[pair.slope]?.conjugate(),
+                unknown: unknowns[pair.read]?,
+                varies_with: pair.varies_with.iter().map(|&local| unknowns[local]).collect::<Option<_>>()?,
+            });
+        }
         Some(())
     }
 }

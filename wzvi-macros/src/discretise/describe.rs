@@ -104,15 +104,15 @@ fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
     say!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h");
     say!(text, "  L_d = {}", graph.display(scheme.lagrangian.value));
     for_each(symbols.degrees(), DEGREES, text, |i, text| {
-        let (q0, u) = (symbols.nodes[i], symbols.unknowns[i]);
+        let (q0, u) = (symbols.nodes.q[i], symbols.unknowns.q[i]);
         let (node, increment) = (graph.symbol_name(q0).to_owned(), graph.symbol_name(u).to_owned());
         let end = node.strip_suffix("_i").map_or_else(|| node.clone(), |name| format!("{name}_{{i+1}}"));
         say!(text, "  {increment} = {end} - {node}");
     });
     for stage in symbols.stages.iter().filter(|stage| !stage.at.l.is_zero()) {
         for_each(symbols.degrees(), DEGREES, text, |i, text| {
-            let increment = graph.symbol(symbols.unknowns[i]);
-            let value = graph.shifted(symbols.nodes[i], increment, stage.at.l);
+            let increment = graph.symbol(symbols.unknowns.q[i]);
+            let value = graph.shifted(symbols.nodes.q[i], increment, stage.at.l);
             say!(text, "  {} = {}", graph.symbol_name(stage.q[i]), graph.display(value));
         });
     }
@@ -138,17 +138,16 @@ fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
     let StepSymbols { nodes, unknowns, momentum, .. } = &scheme.lagrangian.symbols;
     say!(text, "\nDiscrete Euler-Lagrange equations");
     for_each(momentum.len(), DEGREES, text, |i, text| {
-        let of_v = momentum.len() + i;
-        let symbols = [momentum[i], unknowns[i], nodes[of_v], unknowns[of_v]];
+        let symbols = [momentum[i], unknowns.q[i], nodes.p[i], unknowns.p[i]];
         let [momentum, u, p0, v] = symbols.map(|symbol| graph.symbol_name(symbol).to_owned());
         let equations = &scheme.equations;
-        say!(text, "  ∂L_d/∂{momentum} = 0:  {u} = {}", graph.display(equations.phi[i]));
+        say!(text, "  ∂L_d/∂{momentum} = 0:  {u} = {}", graph.display(equations.phi.q[i]));
         say!(
             text,
             "  {p0} = -D1 L_d:  {momentum} = {p0} + {v},  {v} = {}",
-            graph.display(equations.phi[of_v])
+            graph.display(equations.phi.p[i])
         );
-        let v = graph.symbol(unknowns[of_v]);
+        let v = graph.symbol(unknowns.p[i]);
         let change = equations.update[i].change(graph, v);
         let end = p0.strip_suffix("_i").map_or_else(|| p0.clone(), |name| format!("{name}_{{i+1}}"));
         say!(text, "  {end} = D2 L_d:  {end} - {p0} = {}", graph.display(change));

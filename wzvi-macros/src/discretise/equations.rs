@@ -10,7 +10,7 @@
 //! Tests: `tests/steps/reference.rs`.
 
 use crate::diagnostics::promised;
-use crate::discretise::DiscreteLagrangian;
+use crate::discretise::{ByUnknown, DiscreteLagrangian};
 use crate::symbolic::{Expr, Graph, Rational};
 
 /// How `p_{i+1} - p_i` follows from the solved unknowns.
@@ -35,8 +35,8 @@ impl MomentumUpdate {
 /// `φ` of every unknown, and the momentum update per degree of freedom.
 #[derive(Clone)]
 pub(crate) struct Equations {
-    /// `φ_u`, then `φ_v`.
-    pub(crate) phi: Vec<Expr>,
+    /// `φ_u` and `φ_v`.
+    pub(crate) phi: ByUnknown<Expr>,
     pub(crate) update: Vec<MomentumUpdate>,
 }
 
@@ -45,13 +45,13 @@ impl Equations {
         let symbols = &lagrangian.symbols;
         let (mut phi_u, mut phi_v, mut update) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..symbols.degrees() {
-            let (u, momentum) = (graph.symbol(symbols.unknowns[i]), graph.symbol(symbols.momentum[i]));
+            let (u, momentum) = (graph.symbol(symbols.unknowns.q[i]), graph.symbol(symbols.momentum[i]));
             phi_u.push(graph.subtract(u, lagrangian.by_momentum[i]));
             phi_v.push(graph.add(momentum, lagrangian.by_start[i]));
             let rest = graph.subtract(lagrangian.by_end[i], momentum);
             update.push(momentum_update(graph, lagrangian, phi_v[i], rest));
         }
-        Self { phi: [phi_u, phi_v].concat(), update }
+        Self { phi: ByUnknown { q: phi_u, p: phi_v }, update }
     }
 }
 

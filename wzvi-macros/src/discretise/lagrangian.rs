@@ -17,6 +17,7 @@ use std::collections::HashMap;
 
 use super::quadrature::{Quadrature, Stage};
 use super::roles::Role;
+use super::unknown::ByUnknown;
 use crate::model::{Phase, StraightLine};
 use crate::symbolic::{Expr, Function, Graph, Rational, Symbol, SymbolKind};
 
@@ -29,10 +30,10 @@ pub(crate) struct StageSymbols {
 
 /// The symbols of one step.
 pub(crate) struct StepSymbols {
-    /// `q_i`, then `p_i`: the node that the step starts from.
-    pub(crate) nodes: Vec<Symbol>,
-    /// The unknowns `u = q_{i+1} - q_i`, then `v = P - p_i`.
-    pub(crate) unknowns: Vec<Symbol>,
+    /// `q_i` and `p_i`: the node that the step starts from, to which the unknowns are added.
+    pub(crate) nodes: ByUnknown<Symbol>,
+    /// `u = q_{i+1} - q_i` and `v = P - p_i`.
+    pub(crate) unknowns: ByUnknown<Symbol>,
     /// `P`, the momentum of the step.
     pub(crate) momentum: Vec<Symbol>,
     pub(crate) t: Symbol,
@@ -62,7 +63,7 @@ impl DiscreteLagrangian {
         let decay = step.exponential(graph, Rational::MINUS_ONE, Function::ExpM1);
         let step_hamiltonian = step.hamiltonian(graph);
         let mut terms = vec![(step_hamiltonian, Rational::MINUS_ONE)];
-        for (&momentum, &u) in symbols.momentum.iter().zip(&symbols.unknowns) {
+        for (&momentum, &u) in symbols.momentum.iter().zip(&symbols.unknowns.q) {
             let (momentum, u) = (graph.symbol(momentum), graph.symbol(u));
             terms.push((graph.multiply(momentum, u), Rational::ONE));
         }
@@ -122,7 +123,7 @@ impl StepSymbols {
         let t = graph.new_symbol(SymbolKind::Time, "t_i");
         let increment = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
         let dw = (1..=noises).map(|k| graph.new_symbol(SymbolKind::Increment, increment(k))).collect();
-        let (nodes, unknowns) = ([q0, p0].concat(), [u, v].concat());
+        let (nodes, unknowns) = (ByUnknown { q: q0, p: p0 }, ByUnknown { q: u, p: v });
         Self { nodes, unknowns, momentum, t, h, dw, stages }
     }
 
@@ -140,7 +141,7 @@ impl StepSymbols {
         i: usize,
         weights: NodeWeights,
     ) -> Expr {
-        let mut terms = vec![(graph.derivative(value, self.unknowns[i]), weights.increment)];
+        let mut terms = vec![(graph.derivative(value, self.unknowns.q[i]), weights.increment)];
         for (stage, forces) in self.stages.iter().zip(forces) {
             let weight = (weights.stage)(&stage.at);
             terms.push((graph.derivative(value, stage.q[i]), weight));

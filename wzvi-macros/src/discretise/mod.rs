@@ -17,6 +17,7 @@ pub(crate) mod quadrature;
 pub(crate) mod roles;
 pub(crate) mod structure;
 pub(crate) mod sums;
+pub(crate) mod unknown;
 
 pub(crate) use self::equations::Equations;
 pub(crate) use self::facts::flows::Flows;
@@ -29,8 +30,9 @@ pub(crate) use self::lagrangian::{DiscreteLagrangian, StepSymbols};
 pub(crate) use self::plan::{Linearity, Plans, SchemePlan, Step, Strategy, Unknowns};
 pub(crate) use self::quadrature::{Quadrature, Stage};
 pub(crate) use self::roles::{Role, RoleElements, elements_by_role, family_of, scale_momenta};
-pub(crate) use self::structure::{Block, Dependencies, Pivot, Solution, Unknown, increment};
+pub(crate) use self::structure::{Block, Dependencies, Pivot, Solution, increment};
 pub(crate) use self::sums::{Calculus, Increments, KnownSum, Space, Sum, Weighted, unweighted, weighted};
+pub(crate) use self::unknown::{ByUnknown, Unknown};
 
 use std::rc::Rc;
 

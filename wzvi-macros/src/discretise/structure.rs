@@ -10,7 +10,7 @@
 use std::collections::HashMap;
 
 use self::isolate::isolate;
-use crate::discretise::{DiscreteLagrangian, Equations, StepSymbols};
+use crate::discretise::{DiscreteLagrangian, Equations, StepSymbols, Unknown};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 mod blocks;
@@ -18,10 +18,6 @@ mod isolate;
 
 pub(crate) use blocks::Dependencies;
 pub(crate) use isolate::{MOST_ISOLATED, Pivot};
-
-/// The number of an unknown increment: of `u = q_{i+1} - q_i` its component, of `v = P - p_i` its component
-/// after all of `u`.
-pub(crate) type Unknown = usize;
 
 /// The solution of a block for its iterates `x`.
 pub(crate) enum Solution {
@@ -100,11 +96,11 @@ impl StepSymbols {
 
     /// The symbols through which an equation reads `unknown`, with `∂symbol/∂unknown`.
     pub(crate) fn views(&self, unknown: Unknown) -> Vec<(Symbol, Rational)> {
-        match unknown.checked_sub(self.degrees()) {
-            Some(i) => vec![(self.momentum[i], Rational::ONE)],
-            None => {
+        match unknown {
+            Unknown::P(i) => vec![(self.momentum[i], Rational::ONE)],
+            Unknown::Q(i) => {
                 let moving = self.stages.iter().filter(|stage| !stage.at.l.is_zero());
-                moving.map(|stage| (stage.q[unknown], stage.at.l)).collect()
+                moving.map(|stage| (stage.q[i], stage.at.l)).collect()
             }
         }
     }
@@ -113,13 +109,13 @@ impl StepSymbols {
 /// `P = p_i + v`, `Q_l = q_i + l u`, `T_l = t + l h`.
 fn define_points(graph: &mut Graph, symbols: &StepSymbols, definitions: &mut HashMap<Symbol, Expr>) {
     let StepSymbols { nodes, unknowns, .. } = symbols;
-    for (i, v) in (symbols.degrees()..unknowns.len()).enumerate() {
-        let by = graph.symbol(unknowns[v]);
-        let momentum = graph.shifted(nodes[v], by, Rational::ONE);
+    for i in 0..symbols.degrees() {
+        let v = graph.symbol(unknowns.p[i]);
+        let momentum = graph.shifted(nodes.p[i], v, Rational::ONE);
         definitions.insert(symbols.momentum[i], momentum);
-        let u = increment(graph, unknowns[i], definitions);
+        let u = increment(graph, unknowns.q[i], definitions);
         for stage in &symbols.stages {
-            let point = graph.shifted(nodes[i], u, stage.at.l);
+            let point = graph.shifted(nodes.q[i], u, stage.at.l);
             definitions.insert(stage.q[i], point);
         }
     }

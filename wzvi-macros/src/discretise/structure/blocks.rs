@@ -1,7 +1,7 @@
 //! The dependency graph of the unknowns: components and feedback vertices.
 
 use crate::diagnostics::promised;
-use crate::discretise::{Equations, StepSymbols, Unknown};
+use crate::discretise::{ByUnknown, Equations, StepSymbols, Unknown};
 use crate::symbolic::{Expr, Graph, Node};
 
 /// Up to this many candidates every subset is tried; above, only a few natural ones.
@@ -10,38 +10,37 @@ const EXHAUSTIVE: usize = 12;
 /// The graph of which unknown reads which.
 pub(crate) struct Dependencies {
     /// `reads[a]` lists the unknowns that `φ_a` depends on.
-    reads: Vec<Vec<Unknown>>,
+    reads: ByUnknown<Vec<Unknown>>,
     /// Estimated cost of evaluating `φ_a`.
-    cost: Vec<u32>,
+    cost: ByUnknown<u32>,
 }
 
 impl Dependencies {
     pub(crate) fn new(graph: &Graph, symbols: &StepSymbols, equations: &Equations) -> Self {
-        let mut reads = Vec::new();
-        let mut cost = Vec::new();
-        for &phi in &equations.phi {
-            let present = graph.symbols_in(phi);
+        let phi = &equations.phi;
+        let reads = |a: Unknown| {
+            let present = graph.symbols_in(phi[a]);
             let is_read = |&b: &Unknown| symbols.views(b).iter().any(|(view, _)| present.contains(view));
-            reads.push((0..equations.phi.len()).filter(is_read).collect());
-            cost.push(price(graph, phi));
-        }
-        Self { reads, cost }
+            phi.unknowns().filter(is_read).collect()
+        };
+        let cost = |a: Unknown| price(graph, phi[a]);
+        Self { reads: ByUnknown::of(symbols.degrees(), reads), cost: ByUnknown::of(symbols.degrees(), cost) }
     }
 
     /// The structure of equations that are not known yet: all cost the same.
-    pub(crate) fn of(reads: Vec<Vec<Unknown>>) -> Self {
-        let cost = vec![1; reads.len()];
+    pub(crate) fn of(reads: ByUnknown<Vec<Unknown>>) -> Self {
+        let cost = ByUnknown::of(reads.q.len(), |_| 1);
         Self { reads, cost }
     }
 
     /// Strongly connected components, each after those that it reads: the search trees of the reversed graph,
     /// rooted in the reverse finishing order of a search of the graph (Kosaraju).
     pub(crate) fn components(&self) -> Vec<Vec<Unknown>> {
-        let mut read_by = vec![Vec::new(); self.reads.len()];
-        for (vertex, reads) in self.reads.iter().enumerate() {
-            reads.iter().for_each(|&read| read_by[read].push(vertex));
+        let mut read_by = ByUnknown::of(self.reads.q.len(), |_| Vec::new());
+        for vertex in self.reads.unknowns() {
+            self.reads[vertex].iter().for_each(|&read| read_by[read].push(vertex));
         }
-        let left = trees(&self.reads, 0..self.reads.len()).concat();
+        let left = trees(&self.reads, self.reads.unknowns()).concat();
         let mut components = trees(&read_by, left.into_iter().rev());
         components.iter_mut().for_each(|component| component.sort_unstable());
         components.reverse();
@@ -50,7 +49,7 @@ impl Dependencies {
 
     /// Splits a component into the unknowns to iterate on and those assigned from them, in order.
     pub(crate) fn split(&self, component: &[Unknown]) -> (Vec<Unknown>, Vec<Unknown>) {
-        let (forced, free): (Vec<usize>, Vec<usize>) =
+        let (forced, free): (Vec<Unknown>, Vec<Unknown>) =
             component.iter().partition(|&&vertex| self.reads[vertex].contains(&vertex));
         let feedback = self.smallest_feedback(component, &forced, &free);
         let assigned = self.order_without(component, &feedback);
@@ -60,7 +59,7 @@ impl Dependencies {
 
     /// The fewest unknowns without which a component has no cycle; of several such sets, the one that leaves
     /// the cheapest equations to be assigned. `forced` read themselves, and belong to each set.
-    fn smallest_feedback(&self, component: &[usize], forced: &[usize], free: &[usize]) -> Vec<usize> {
+    fn smallest_feedback(&self, component: &[Unknown], forced: &[Unknown], free: &[Unknown]) -> Vec<Unknown> {
         let chosen = match free.len() <= EXHAUSTIVE {
             true => self.smallest_subset(free),
             false => self.natural_subset(component, forced, free),
@@ -72,7 +71,7 @@ impl Dependencies {
 
     /// The smallest subset of `free` that breaks every cycle among these, by trying all: subset `bits` has
     /// `free[i]` if bit `i` is set.
-    fn smallest_subset(&self, free: &[usize]) -> Vec<usize> {
+    fn smallest_subset(&self, free: &[Unknown]) -> Vec<Unknown> {
         let masks = free.iter().map(|&vertex| {
             let is_read = |&at: &usize| self.reads[vertex].contains(&free[at]);
             (0..free.len()).filter(is_read).fold(0, |mask, at| mask | 1 << at)
@@ -90,9 +89,8 @@ impl Dependencies {
     }
 
     /// The smallest of the halves of `free`, none and all, that breaks every cycle.
-    fn natural_subset(&self, component: &[usize], forced: &[usize], free: &[usize]) -> Vec<usize> {
-        let degrees = self.reads.len() / 2;
-        let (coordinates, momenta): (Vec<usize>, Vec<usize>) = free.iter().partition(|&&v| v < degrees);
+    fn natural_subset(&self, component: &[Unknown], forced: &[Unknown], free: &[Unknown]) -> Vec<Unknown> {
+        let (coordinates, momenta): (Vec<_>, Vec<_>) = free.iter().partition(|v| matches!(v, Unknown::Q(_)));
         let natural = [Vec::new(), momenta, coordinates, free.to_vec()].into_iter();
         let sets = natural.filter(|set| self.order_without(component, &[forced, set].concat()).is_some());
         let smallest = sets.min_by_key(|set| {
@@ -104,8 +102,8 @@ impl Dependencies {
 
     /// The vertices of `component` outside `feedback`, each after those that it reads; `None` if they have a
     /// cycle.
-    fn order_without(&self, component: &[usize], feedback: &[usize]) -> Option<Vec<usize>> {
-        let mut pending: Vec<usize> = component.iter().copied().filter(|v| !feedback.contains(v)).collect();
+    fn order_without(&self, component: &[Unknown], feedback: &[Unknown]) -> Option<Vec<Unknown>> {
+        let mut pending: Vec<Unknown> = component.iter().copied().filter(|v| !feedback.contains(v)).collect();
         pending.sort_unstable();
         let mut ordered = Vec::new();
         while !pending.is_empty() {
@@ -147,8 +145,8 @@ fn price(graph: &Graph, expr: Expr) -> u32 {
 }
 
 /// The depth-first search trees from each of `roots`, with their vertices in finishing order.
-fn trees(edges: &[Vec<usize>], roots: impl Iterator<Item = usize>) -> Vec<Vec<usize>> {
-    let mut met = vec![false; edges.len()];
+fn trees(edges: &ByUnknown<Vec<Unknown>>, roots: impl Iterator<Item = Unknown>) -> Vec<Vec<Unknown>> {
+    let mut met = ByUnknown::of(edges.q.len(), |_| false);
     let tree = |root| {
         let mut left = Vec::new();
         search(edges, root, &mut met, &mut left);
@@ -158,7 +156,12 @@ fn trees(edges: &[Vec<usize>], roots: impl Iterator<Item = usize>) -> Vec<Vec<us
 }
 
 /// The recursion depth is at most twice the number of degrees of freedom, which is small.
-fn search(edges: &[Vec<usize>], vertex: usize, met: &mut [bool], left: &mut Vec<usize>) {
+fn search(
+    edges: &ByUnknown<Vec<Unknown>>,
+    vertex: Unknown,
+    met: &mut ByUnknown<bool>,
+    left: &mut Vec<Unknown>,
+) {
     if !std::mem::replace(&mut met[vertex], true) {
         edges[vertex].iter().for_each(|&next| search(edges, next, met, left));
         left.push(vertex);

@@ -3,9 +3,8 @@
 //!
 //! So `H_1 = σ q p` with a nonlinear `V(q)` needs one unknown, not two: `P (1 + σΔW/2) = p - h/2 V'(Q)`.
 
-use super::Unknown;
 use super::blocks::Dependencies;
-use crate::discretise::{Equations, StepSymbols};
+use crate::discretise::{Equations, StepSymbols, Unknown};
 use crate::symbolic::{Expr, Graph, Rational, Symbol, SymbolKind};
 
 /// The largest component in which unknowns are isolated: every one of them is tried.
@@ -31,7 +30,7 @@ pub(super) fn isolate(
     }
     let mut best: Option<(Equations, Dependencies, Vec<Pivot>)> = None;
     let mut fewest = iterates.len();
-    let (coordinates, momenta): (Vec<_>, Vec<_>) = iterates.iter().partition(|x| **x < symbols.degrees());
+    let (coordinates, momenta): (Vec<_>, Vec<_>) = iterates.iter().partition(|x| matches!(x, Unknown::Q(_)));
     for &unknown in momenta.into_iter().chain(coordinates) {
         let current = best.as_ref().map_or(equations, |(equations, ..)| equations);
         let Some((phi, pivot)) = isolated(graph, symbols, current.phi[unknown], unknown) else { continue };
@@ -83,7 +82,7 @@ impl StepSymbols {
     /// All symbols that change from step to step, except the increments and the time of the node.
     fn of_state(&self) -> Vec<Symbol> {
         let stages = self.stages.iter().flat_map(|stage| stage.q.iter().chain([&stage.t]));
-        let of_node = [&self.nodes, &self.unknowns, &self.momentum].into_iter().flatten();
+        let of_node = self.nodes.iter().chain(self.unknowns.iter()).chain(&self.momentum);
         of_node.chain(stages).copied().collect()
     }
 }

@@ -27,7 +27,8 @@ pub(super) fn solution(
         .with_constants(&constants, quote!(__K));
     printer.set(step_program.h, format_ident!("__h"));
     printer.set(step_program.t, format_ident!("__t"));
-    for (&op, name) in step_program.nodes.iter().chain(&step_program.dw).zip(q.iter().chain(&p).chain(&dw)) {
+    let nodes = step_program.nodes.iter().flatten();
+    for (&op, name) in nodes.chain(&step_program.dw).zip(q.iter().chain(&p).chain(&dw)) {
         printer.set(op, name.clone());
     }
     for (op, name) in prepared.constants.iter().chain(&prepared.truths) {
@@ -199,10 +200,9 @@ impl SolveBody<'_> {
 
     fn finish(&mut self) -> TokenStream {
         let step_program = self.step_program;
-        let statements = self.bind(&step_program.changes);
-        let (nodes, changes) = (self.values(&step_program.nodes), self.values(&step_program.changes));
-        let (q, p) = nodes.split_at(nodes.len() / 2);
-        let (dq, dp) = changes.split_at(changes.len() / 2);
+        let statements = self.bind(&step_program.changes.concat());
+        let [q, p] = step_program.nodes.each_ref().map(|nodes| self.values(nodes));
+        let [dq, dp] = step_program.changes.each_ref().map(|changes| self.values(changes));
         let isolated = self.values(&step_program.isolated);
         let isolated =
             isolated.iter().map(|inverse| quote!(__wzvi::Effort::isolated::<__S, __CAREFUL>(#inverse)));

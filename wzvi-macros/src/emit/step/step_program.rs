@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use crate::discretise::{Block, Pivot, Scheme, Solution, StepSymbols, Unknown, increment};
+use crate::discretise::{Block, ByUnknown, Pivot, Scheme, Solution, StepSymbols, Unknown, increment};
 use crate::emit::program::{Level, Lowering, Op, Program};
 use crate::model::Parameter;
 use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol, SymbolKind};
@@ -66,14 +66,14 @@ pub(crate) struct StepProgram {
     pub(crate) parameters: Vec<Op>,
     pub(crate) h: Op,
     pub(crate) t: Op,
-    /// `q_i`, then `p_i`.
-    pub(crate) nodes: Vec<Op>,
+    /// `q_i` and `p_i`.
+    pub(crate) nodes: [Vec<Op>; 2],
     pub(crate) dw: Vec<Op>,
     pub(crate) solves: Vec<Solve>,
     /// The reciprocals for isolated unknowns of Newton blocks.
     pub(crate) isolated: Vec<Op>,
-    /// `q_{i+1} - q_i`, then `p_{i+1} - p_i`.
-    pub(crate) changes: Vec<Op>,
+    /// `q_{i+1} - q_i` and `p_{i+1} - p_i`.
+    pub(crate) changes: [Vec<Op>; 2],
     /// Whether there is no noise.
     pub(crate) is_deterministic: bool,
 }
@@ -93,7 +93,7 @@ impl StepProgram {
         let points: Vec<Expr> =
             symbols.points().iter().filter_map(|point| definitions.get(point)).copied().collect();
         let mut lowering = Lowering::new(graph, definitions);
-        for &sum in points.iter().chain(&changes) {
+        for &sum in points.iter().chain(changes.iter().flatten()) {
             lowering.keep(sum);
         }
         for inverse in inverses.iter().flatten() {
@@ -102,7 +102,7 @@ impl StepProgram {
         let mut inputs = |of: &[Symbol], level: Level| -> Vec<Op> {
             of.iter().map(|&symbol| lowering.input(symbol, level)).collect()
         };
-        let nodes = inputs(&symbols.nodes, Level::State);
+        let nodes = [&symbols.nodes.q, &symbols.nodes.p].map(|nodes| inputs(nodes, Level::State));
         let dw = inputs(&symbols.dw, Level::Increments);
         let of_system: Vec<Symbol> = parameters.iter().map(|parameter| parameter.symbol).collect();
         let parameters = inputs(&of_system, Level::Prepared);
@@ -118,7 +118,8 @@ impl StepProgram {
             _ => None,
         });
         let isolated = isolated.collect();
-        let changes = changes.into_iter().map(|change| lowering.lower(change)).collect();
+        let changes =
+            changes.map(|changes| changes.into_iter().map(|change| lowering.lower(change)).collect());
         let hints = hints(&mut lowering, scheme, &solves);
         let program = lowering.program;
         Self { program, hints, parameters, h, t, nodes, dw, solves, isolated, changes, is_deterministic }
@@ -130,7 +131,7 @@ impl StepProgram {
         let price: usize =
             self.program.needed(&self.roots(), &|_| false).iter().map(|&op| self.program.price(op)).sum();
         let step = if self.newton_sizes().is_empty() { price } else { 2 * price };
-        step > 20 * 6 * self.nodes.len()
+        step > 20 * 6 * self.nodes.iter().map(Vec::len).sum::<usize>()
     }
 
     /// The sizes of the Newton blocks.
@@ -141,7 +142,7 @@ impl StepProgram {
 
     /// Everything that the step computes.
     pub(crate) fn roots(&self) -> Vec<Op> {
-        let ends = self.changes.iter().chain(&self.isolated).copied();
+        let ends = self.changes.iter().flatten().chain(&self.isolated).copied();
         ends.chain(self.solves.iter().flat_map(Solve::read)).collect()
     }
 
@@ -243,13 +244,12 @@ fn solve_for_points(
 
 /// `q_{i+1} - q_i = u` and `p_{i+1} - p_i`. The increments stay separate from the state, for compensated
 /// summation.
-fn changes(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> Vec<Expr> {
-    let StepSymbols { unknowns, .. } = &scheme.lagrangian.symbols;
-    let mut changes: Vec<Expr> =
-        unknowns.iter().map(|&unknown| increment(graph, unknown, definitions)).collect();
-    let of_momenta = changes[unknowns.len() / 2..].iter_mut();
-    of_momenta.zip(&scheme.equations.update).for_each(|(v, update)| *v = update.change(graph, *v));
-    changes
+fn changes(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> [Vec<Expr>; 2] {
+    let ByUnknown { q: u, p: v } = &scheme.lagrangian.symbols.unknowns;
+    let [u, mut v] =
+        [u, v].map(|of| of.iter().map(|&unknown| increment(graph, unknown, definitions)).collect::<Vec<_>>());
+    v.iter_mut().zip(&scheme.equations.update).for_each(|(v, update)| *v = update.change(graph, *v));
+    [u, v]
 }
 
 fn lower_block(
@@ -300,7 +300,7 @@ fn reciprocal(lowering: &mut Lowering<'_>, inverse: &Inverse) -> Solve {
 fn hints(lowering: &mut Lowering<'_>, scheme: &Scheme, solves: &[Solve]) -> HashMap<Op, String> {
     let symbols = &scheme.lagrangian.symbols;
     let mut named: Vec<(Symbol, String)> = Vec::new();
-    let (u, v) = symbols.unknowns.split_at(symbols.degrees());
+    let ByUnknown { q: u, p: v } = &symbols.unknowns;
     for i in 0..symbols.degrees() {
         let [q, p] = [u[i], v[i]].map(|increment| {
             lowering.graph().symbol_name(increment).trim_start_matches(['Δ', 'δ']).to_owned()
