@@ -12,14 +12,13 @@ use super::root;
 const WIDTH: usize = 110;
 
 /// Names that two types of one crate have, and why.
-const SHARED: [(&str, &str, &str); 3] = [
+const SHARED: [(&str, &str, &str); 2] = [
     ("wzvi-runtime", "Lambda", "the paper's λ: of a function on a time scale, and of an embedding"),
     (
         "wzvi-runtime",
         "Table",
         "users write `compose::Table` for coefficients, and get a `table::Table` of results",
     ),
-    ("wzvi-runtime", "Act", "two lists of the parts of splittings, which become one with constraints"),
 ];
 
 /// The first sentences of comments that leave their noun to the reader.

@@ -11,3 +11,4 @@ pub mod modified;
 pub mod plan;
 pub mod poles;
 pub mod system;
+pub(crate) mod word;

@@ -48,13 +48,14 @@
 //! friction only, and no normals.
 
 mod diagonal;
+mod law;
+mod letters;
 mod matrix;
 mod modes;
 mod part;
 mod relaxation;
 mod splitting;
 mod thermostat;
-mod word;
 
 use std::marker::PhantomData;
 
@@ -63,14 +64,17 @@ use crate::error::{BathError, ConfigError};
 use crate::scheme::elements::{self, Elements, EvaluationPoint, PairColumns, Partials, Role, slopes};
 use crate::scheme::plan::{Knowledge, NoiseClass, Plan};
 
+pub use law::HarmonicLaw;
+pub use letters::{A, B, Letter, Letters, O};
 #[doc(hidden)]
 pub use modes::Decay;
 pub(crate) use part::OPartsByPlace;
 use relaxation::Relaxation;
-pub use splitting::{Letters, Splitting};
+pub use splitting::Splitting;
 #[doc(hidden)]
 pub use thermostat::ThermostatSteps;
-pub use word::{A, B, HarmonicLaw, O, Part, Spelling};
+
+pub use crate::scheme::word::Part;
 
 /// Half a kick, half a drift, friction and noise, half a drift, half a kick: explicit, with one force for
 /// each step, for `T(p) + V(q, t)`.

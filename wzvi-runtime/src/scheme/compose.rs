@@ -17,18 +17,20 @@
 //! * [`PairComposition`]: steps of the scheme and its adjoint, for any Hamiltonian.
 //! * [`KickDrift`]: kicks and drifts, for `T(p) + V(q, t)`.
 //! * [`PartFlows`]: the flows of two parts, for `drift = [H_A, H_B]` with the tables for two parts.
+//!
+//! [`Composes::word`] lists them: `scheme/word.rs` says what a word is.
 
 mod checks;
 pub(crate) mod flows;
 mod gradient;
 mod lagrangian;
 mod linear;
+pub(crate) mod lists;
 pub(crate) mod memory;
 mod pair;
 mod parts;
-pub(crate) mod stages;
+mod plans;
 mod structure;
-pub(crate) mod substeps;
 mod tables;
 mod text;
 pub(crate) mod tiled;
@@ -37,17 +39,17 @@ use std::marker::PhantomData;
 
 use text::{DRIFT_KICK, turns};
 
+use super::word::{Part, PartKind, Weighted, Word};
+
 pub use checks::{check_table, check_weights};
 #[doc(hidden)]
 pub use flows::KickDrift;
 #[doc(hidden)]
-pub use pair::PairComposition;
+pub use pair::{BasicMethod, PairComposition};
 #[doc(hidden)]
-pub use parts::{Form, PartFlows};
+pub use parts::{Form, PartFlows, Summand};
 #[doc(hidden)]
-pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, TwoFlows, WholeOf};
-#[doc(hidden)]
-pub use substeps::{Half, SingleStep, Substep, Substeps};
+pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, SingleStep, TwoFlows, WholeOf};
 pub use tables::{
     Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
     TakahashiImada4, Yoshida4, Yoshida6,
@@ -110,20 +112,16 @@ pub struct Table<W>(PhantomData<W>);
     note = "`Midpoint`, `Verlet` and `Gauss<S>` are"
 )]
 pub trait Symmetric<K = General>: Sized {
-    /// The scheme itself, or the first half of it.
-    type First;
-    /// The scheme itself, or the second half of it.
-    type Second;
-    /// The scheme that takes the parts `W` of a step.
+    /// The scheme itself, or the scheme of its first half.
+    type Basic;
+    /// The scheme itself, or the adjoint of the basic scheme, which is that of its second half.
+    type Adjoint;
+    /// The kinds of parts in the words of its steps.
+    type Part: PartKind;
+    /// The scheme that takes the words `W`.
     type Steps<W>;
-    /// Text for users: the steps by which a splitting is taken.
-    const NOTE: &'static str = structure::BY_PAIRS;
-    /// Appends the parts of a step with this weight.
-    fn step(weight: f64, into: &mut Vec<Substep>);
-    /// The parts for a sequence of alternating drifts (`Half::First`) and kicks.
-    fn splitting(sequence: &[Substep]) -> Vec<Substep> {
-        structure::in_pairs(sequence)
-    }
+    /// The parts of a step.
+    const STEP: &'static [Weighted<Self::Part>];
 }
 
 /// Weights that can compose `E` for a system of the structure `K`.
@@ -141,43 +139,64 @@ pub trait Composes<E, K = General> {
     const ORDER: u32;
     /// The description in `EQUATIONS`.
     const LISTING: Listing;
-    /// The factors `c` of `h³ |V'|²`, one for each drift (zero) and kick, in the metric of the inverse
-    /// masses; empty if kicks are by the potential alone.
-    const GRADIENT: &'static [f64] = &[];
+    /// The kinds of parts in the words.
+    type Part: PartKind;
     /// The scheme that takes the steps.
     type Steps;
     /// The parts of a step, in order.
-    fn substeps() -> Vec<Substep>;
+    fn word() -> Word<Self::Part>;
 }
+
+/// The word of a step that composes steps of `E` by `W`, for a system of the structure `K`, as a type:
+/// [`Composes::word`] has its parts.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct ComposedWord<E, K, W>(PhantomData<(E, K, W)>);
 
 impl<E: Symmetric<K>, W: Weights, K> Composes<E, K> for W {
     const ORDER: u32 = W::ORDER;
     const LISTING: Listing = Listing::Steps(W::GAMMA);
-    type Steps = E::Steps<Substeps<E, K, W>>;
+    type Part = E::Part;
+    type Steps = E::Steps<ComposedWord<E, K, W>>;
 
-    fn substeps() -> Vec<Substep> {
+    fn word() -> Word<E::Part> {
         const { check_weights::<W>() };
-        let mut substeps = Vec::new();
-        W::GAMMA.iter().for_each(|&weight| E::step(weight, &mut substeps));
-        substeps
+        Word::composed(E::STEP, W::GAMMA)
     }
 }
 
 /// The drifts and kicks of a partitioned table.
-fn of_table<W: Partitioned>() -> Vec<Substep> {
+fn drifts_and_kicks<W: Partitioned>() -> Vec<Weighted> {
     const { check_table::<W>() };
-    let halves = if W::STARTS_WITH_DRIFT { [Half::First, Half::Second] } else { [Half::Second, Half::First] };
-    let sequence = W::SEQUENCE.iter().zip(halves.into_iter().cycle());
-    sequence.map(|(&weight, half)| (half, weight)).collect()
+    let turns = if W::STARTS_WITH_DRIFT { [Part::A, Part::B] } else { [Part::B, Part::A] };
+    let sequence = W::SEQUENCE.iter().zip(turns.into_iter().cycle());
+    sequence.map(|(&weight, part)| Weighted { part, weight }).collect()
 }
 
-/// Drifts and kicks in turn, as steps of `Verlet` take them.
-type InTurn<K, W> = <Verlet as Symmetric<K>>::Steps<Substeps<Verlet, K, W>>;
+/// The drifts and kicks of a table; kicks with a factor `c` that is not zero are by `b V - c h³ |V'|²`.
+fn with_squares<W: Partitioned>(factors: &[f64]) -> Vec<Weighted> {
+    let mut table = drifts_and_kicks::<W>();
+    for (Weighted { part, .. }, &factor) in table.iter_mut().zip(factors) {
+        if *part == Part::B && factor != 0.0 {
+            *part = Part::GradientB(factor);
+        }
+    }
+    table
+}
 
-/// Tables for the structures `K`: the scheme that takes the steps, the names of the two flows and a note on
-/// them, and the parts of a step for the drifts and kicks of a table.
+/// The kinds of parts in words of steps of `Verlet`.
+type PartOf<K> = <Verlet as Symmetric<K>>::Part;
+
+/// Drifts and kicks in turn, as steps of `Verlet` take them.
+type InTurn<K, W> = <Verlet as Symmetric<K>>::Steps<ComposedWord<Verlet, K, W>>;
+
+/// Drifts and kicks in turn, some kicks with the square of the force.
+type WithSquares<K, W> = KickDrift<ComposedWord<Verlet, K, W>, true>;
+
+/// Tables for the structures `K`: the kinds of parts, the scheme that takes the steps, the names of the two
+/// flows and a note on them, and the factors of squares of forces if there are any.
 macro_rules! for_structures {
-    ($([$($generic:tt)*] $table:ty = $weights:ty: $steps:ty, $names:expr, $note:expr, $splitting:expr $(, $gradient:expr)?;)+) => {$(
+    ($([$($generic:tt)*] $table:ty = $weights:ty: $part:ty, $steps:ty, $names:expr, $note:expr $(, $squares:expr)?;)+) => {$(
         #[diagnostic::do_not_recommend]
         impl<$($generic)*> Composes<Verlet, K> for $table
         where
@@ -185,26 +204,28 @@ macro_rules! for_structures {
         {
             const ORDER: u32 = <$weights as Partitioned>::ORDER;
             const LISTING: Listing = turns::<$weights>($names, $note);
-            $(const GRADIENT: &'static [f64] = {
-                assert!($gradient.len() == Self::SEQUENCE.len(), "a gradient has one factor for each drift and kick");
-                $gradient
-            };)?
+            type Part = $part;
             type Steps = $steps;
 
-            fn substeps() -> Vec<Substep> {
-                $splitting(&of_table::<$weights>())
+            fn word() -> Word<$part> {
+                <$part>::of_table(&for_structures!(@table $weights $(, $squares)?))
             }
         }
     )+};
+    (@table $weights:ty) => { drifts_and_kicks::<$weights>() };
+    (@table $weights:ty, $squares:expr) => {{
+        const { assert!($squares.len() == Self::SEQUENCE.len(), "squares have one factor for each drift and kick") };
+        with_squares::<$weights>($squares)
+    }};
 }
 
 for_structures! {
-    [K, W: Partitioned] Table<W> = W: InTurn<K, Self>, DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE, <Verlet as Symmetric<K>>::splitting;
-    [K] BlanesMoan4 = Self: InTurn<K, Self>, DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE, <Verlet as Symmetric<K>>::splitting;
-    [K] BlanesMoan6 = Self: InTurn<K, Self>, DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE, <Verlet as Symmetric<K>>::splitting;
-    [K: QuadraticKinetic] Srkn6 = Self: InTurn<K, Self>, DRIFT_KICK, "", <[Substep]>::to_vec;
-    [K: QuadraticKinetic] Chin4 = Self: KickDrift<Substeps<Verlet, K, Self>, true>, DRIFT_KICK, Self::NOTE, <[Substep]>::to_vec, Self::GRADIENT;
-    [K: QuadraticKinetic] TakahashiImada4 = Self: KickDrift<Substeps<Verlet, K, Self>, true>, DRIFT_KICK, Self::NOTE, <[Substep]>::to_vec, Self::GRADIENT;
-    [K: TwoFlows] Aba864 = Self: K::Flows<Substeps<Verlet, K, Self>>, K::PARTS, "", <[Substep]>::to_vec;
-    [K: TwoFlows] Aba1064 = Self: K::Flows<Substeps<Verlet, K, Self>>, K::PARTS, "", <[Substep]>::to_vec;
+    [K, W: Partitioned] Table<W> = W: PartOf<K>, InTurn<K, Self>, DRIFT_KICK, PartOf::<K>::NOTE;
+    [K] BlanesMoan4 = Self: PartOf<K>, InTurn<K, Self>, DRIFT_KICK, PartOf::<K>::NOTE;
+    [K] BlanesMoan6 = Self: PartOf<K>, InTurn<K, Self>, DRIFT_KICK, PartOf::<K>::NOTE;
+    [K: QuadraticKinetic] Srkn6 = Self: Part, KickDrift<ComposedWord<Verlet, K, Self>>, DRIFT_KICK, "";
+    [K: QuadraticKinetic] Chin4 = Self: Part, WithSquares<K, Self>, DRIFT_KICK, Self::NOTE, Self::GRADIENT;
+    [K: QuadraticKinetic] TakahashiImada4 = Self: Part, WithSquares<K, Self>, DRIFT_KICK, Self::NOTE, Self::GRADIENT;
+    [K: TwoFlows] Aba864 = Self: K::Part, K::Flows<ComposedWord<Verlet, K, Self>>, K::PARTS, "";
+    [K: TwoFlows] Aba1064 = Self: K::Part, K::Flows<ComposedWord<Verlet, K, Self>>, K::PARTS, "";
 }

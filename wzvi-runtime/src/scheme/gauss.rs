@@ -39,7 +39,7 @@ use crate::algebra::state::State;
 use crate::algebra::state_sum::{self, StateSum};
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::dense::RateCoefficients;
-use crate::scheme::elements::{self, Elements, FieldAt, NewState, PairColumns, TilePlan, Word};
+use crate::scheme::elements::{self, Elements, FieldAt, NewState, PairColumns, TileParts, TilePlan};
 use crate::scheme::plan::{Facts, Plan, Solver};
 use crate::scheme::poles::Poles;
 use crate::scheme::system::{
@@ -83,7 +83,7 @@ pub trait Field: Elements + Sized {
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if the new state is not finite.
-    fn take_tiles<'p, W: Word>(
+    fn take_tiles<'p, W: TileParts>(
         &self,
         word: &mut W,
         q: &[f64],

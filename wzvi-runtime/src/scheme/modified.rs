@@ -28,7 +28,7 @@ use std::marker::PhantomData;
 
 use crate::algebra::scalar::Scalar;
 use crate::algebra::state::State;
-use crate::scheme::compose::{Composed, Composes, Half, Symmetric, Verlet};
+use crate::scheme::compose::{BasicMethod, Composed, Composes, Symmetric, Verlet};
 use crate::scheme::embedding::{Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected};
 use crate::scheme::gauss::Gauss;
 use crate::scheme::system::{Discretized, Hamiltonian};
@@ -105,13 +105,17 @@ impl ModifiedBy for Verlet {
 }
 
 #[diagnostic::do_not_recommend]
-impl<E: Symmetric<First: ModifiedBy, Second: ModifiedBy>, W: Composes<E>> ModifiedBy for Composed<E, W> {
+impl<E, W> ModifiedBy for Composed<E, W>
+where
+    E: Symmetric<Basic: ModifiedBy, Adjoint: ModifiedBy>,
+    W: Composes<E, Part = BasicMethod>,
+{
     const ORDER: u32 = W::ORDER;
     fn parts() -> Vec<(f64, f64)> {
-        let [first, second] = [E::First::parts(), E::Second::parts()];
-        let parts = W::substeps().into_iter().flat_map(|(half, weight)| {
-            let of_step = if half == Half::First { &first } else { &second };
-            of_step.iter().map(move |&(l, share)| (l, share * weight)).collect::<Vec<_>>()
+        let [basic, adjoint] = [E::Basic::parts(), E::Adjoint::parts()];
+        let parts = W::word().substeps.into_iter().flat_map(|substep| {
+            let of_step = if substep.part == BasicMethod::Itself { &basic } else { &adjoint };
+            of_step.iter().map(move |&(l, share)| (l, share * substep.weight)).collect::<Vec<_>>()
         });
         parts.collect()
     }

@@ -72,7 +72,7 @@ fn stage(stage: &Stage) -> TokenStream {
 pub(crate) fn in_tiles() -> TokenStream {
     let f64 = quote!(__wzvi::f64);
     quote! {
-        fn take_tiles<'p, __W: __wzvi::elements::Word>(
+        fn take_tiles<'p, __W: __wzvi::elements::TileParts>(
             &self,
             __word: &mut __W,
             __q: &[#f64],

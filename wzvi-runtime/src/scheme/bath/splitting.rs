@@ -7,9 +7,9 @@
 
 use std::marker::PhantomData;
 
+use super::letters::{A, B, Letter, Letters, O};
 use super::modes::Decay;
 use super::part::{self, BathLaw, OPartShares, OParts};
-use super::word::{A, B, O, Part, Spelling, joined};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, with_bath};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{ComputesWith, Constant, ConstantsIn, Scalar};
@@ -17,10 +17,9 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state_sum::{self, PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure, wrong};
 use crate::scheme::compose::flows::KickDriftFlows;
-use crate::scheme::compose::stages::{
-    self, Act, KeptForce, PartScratch, SplittingLists, SplittingMemory, Stage, StageList, StepParts,
+use crate::scheme::compose::lists::{
+    KeptForce, ListParts, PartScratch, SplittingLists, SplittingMemory, take_parts,
 };
-use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::tiled::{TiledInput, TiledMemory, least_scalar, takes_tiles};
 use crate::scheme::elements::{Elements, NewState, check_new};
 use crate::scheme::gauss::{Field, gather};
@@ -29,41 +28,30 @@ use crate::scheme::system::{
     Exchange, Hamiltonian as _, LiftParameter, Movable, Properties, Scheme, StepArguments, fits,
     varied_without_lists,
 };
-
-/// A word of kicks, drifts and O parts, and how they are applied: a letter, a tuple of letters, or a scheme
-/// with a name.
-pub trait Letters {
-    /// Its letters, in the order of the step.
-    const LETTERS: &'static [Part];
-    /// The decay of the momenta in the O parts.
-    const DECAY: Decay = Decay::Exponential;
-    /// Whether kicks and drifts are shortened.
-    const IS_SHORTENED: bool = false;
-    /// The letters, prepared for steps.
-    const SPELLING: &'static Spelling = &Spelling::of(Self::LETTERS);
-}
+use crate::scheme::word::{Part, Substep, Weighted, Word};
 
 impl Letters for Baoab {
-    const LETTERS: &'static [Part] = <(B, A, O, A, B)>::LETTERS;
+    const LETTERS: &'static [Letter] = <(B, A, O, A, B)>::LETTERS;
 }
 
 impl Letters for Obabo {
-    const LETTERS: &'static [Part] = <(O, B, A, B, O)>::LETTERS;
+    const LETTERS: &'static [Letter] = <(O, B, A, B, O)>::LETTERS;
 }
 
 impl Letters for Gjf {
-    const LETTERS: &'static [Part] = <(B, A, O, A, B)>::LETTERS;
+    const LETTERS: &'static [Letter] = <(B, A, O, A, B)>::LETTERS;
     const DECAY: Decay = Decay::Cayley;
 }
 
 impl Letters for GjI {
-    const LETTERS: &'static [Part] = <(B, A, O, A, B)>::LETTERS;
+    const LETTERS: &'static [Letter] = <(B, A, O, A, B)>::LETTERS;
     const IS_SHORTENED: bool = true;
 }
 
 /// The O parts of a word.
 const fn shares<W: Letters>() -> OPartShares {
-    OPartShares { parts: W::SPELLING.parts, decay: W::DECAY, is_shortened: W::IS_SHORTENED }
+    const { assert!(W::O_PARTS > 0, "a word has one O at least") };
+    OPartShares { parts: W::O_PARTS, decay: W::DECAY, is_shortened: W::IS_SHORTENED }
 }
 
 /// The steps of a word.
@@ -74,14 +62,15 @@ pub struct Splitting<W>(PhantomData<W>);
 #[derive(Clone, Debug)]
 pub struct SplittingConstants<P, K> {
     parameters: P,
-    /// All parts of a step.
-    apart: StageList<Act>,
-    /// All parts, with O parts between drifts [joined]: for lists of masses, unless a noise drifts too.
-    joined: StageList<Act>,
+    /// The word as it is spelled.
+    spelled: Word,
+    /// The word with an O part between drifts [joined](Word::joined) to them: for lists of masses, unless a
+    /// noise drifts too.
+    joined: Word,
     /// Kicks and drifts alone, neighbours of one kind merged: for systems without friction.
-    still: StageList<Act>,
+    still: Word,
     relaxation: BathLaw<K>,
-    /// The ratio of the time of kicks and drifts to that of their stages.
+    /// The ratio of the time of kicks and drifts to that in the word.
     stretch: K,
 }
 
@@ -91,7 +80,7 @@ where
     W: Letters,
 {
     const PLAN: Plan = {
-        let order = W::SPELLING.order;
+        let order = W::ORDER;
         // With multiplicative noise, consistency requires order two.
         let consistent = order == 2 || !matches!(F::FACTS.noise, NoiseClass::Multiplicative);
         with_bath(F::FACTS.plan(Solver::Explicit, 0, order, consistent))
@@ -115,7 +104,7 @@ where
     type Sum<S: Scalar> = PlainSum;
 
     fn increments(system: &F, degrees: usize) -> usize {
-        system.noises() + part::normals::<F>(degrees, W::SPELLING.parts)
+        system.noises() + part::normals::<F>(degrees, W::O_PARTS)
     }
 
     fn exchanged(_: &F, (bath, _): &Self::Memory<f64>) -> Exchange {
@@ -131,7 +120,7 @@ where
     }
 
     fn memory(system: &F) -> Self::Memory<f64> {
-        (part::BathMemory::of_system(system), stages::SplittingMemory::of_system(system))
+        (part::BathMemory::of_system(system), SplittingMemory::of_system(system))
     }
 
     fn prepare<K: Constant>(
@@ -141,21 +130,12 @@ where
     ) -> Result<Self::Prepared<K>, ConfigError> {
         check_new(system)?;
         let relaxation = part::prepare(system, lift, h, shares::<W>())?;
-        let letters = W::SPELLING.stages();
-        let substeps: Vec<Substep> =
-            letters.iter().filter_map(|stage| Some((stage.act.half()?, stage.weight))).collect();
-        let still = StageList::of(&substeps).flows(&[]);
+        let spelled = Word::spelled(W::LETTERS);
+        let flows = spelled.substeps.iter().filter(|substep| substep.part != Part::O);
+        let still = Word::of(flows.map(|&Substep { part, weight, .. }| Weighted { part, weight }));
         let stretch = if W::IS_SHORTENED { shortened(system, lift, h)? } else { K::from_f64(1.0) };
-        let apart = StageList(letters.to_vec()).with_ends();
-        let joined = StageList(joined(&apart.0));
-        Ok(SplittingConstants {
-            parameters: system.parameters(lift),
-            apart,
-            joined,
-            still,
-            relaxation,
-            stretch,
-        })
+        let (parameters, joined) = (system.parameters(lift), spelled.joined());
+        Ok(SplittingConstants { parameters, spelled, joined, still, relaxation, stretch })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -165,9 +145,9 @@ where
         }
         let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
         let relaxation = part::gather(prepared.map(|prepared| &prepared.relaxation))?;
-        let SplittingConstants { apart, joined, still, .. } = (*prepared.first()?).clone();
+        let SplittingConstants { spelled, joined, still, .. } = (*prepared.first()?).clone();
         let stretch = Lanes::from_f64(1.0);
-        Some(SplittingConstants { parameters, apart, joined, still, relaxation, stretch })
+        Some(SplittingConstants { parameters, spelled, joined, still, relaxation, stretch })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -203,17 +183,17 @@ where
         }
         let parts =
             bath.parts(system, &prepared.relaxation, ([t, h], shares::<W>(), degrees), (dw, noises))?;
-        let StageList(list) = match parts.are_lists() && !C::CARRIES && noises == 0 {
+        let word = match parts.are_lists() && !C::CARRIES && noises == 0 {
             _ if parts.are_still() => &prepared.still,
             true => &prepared.joined,
-            false => &prepared.apart,
+            false => &prepared.spelled,
         };
         let SplittingConstants { parameters, stretch, .. } = prepared;
         let flows = KickDriftFlows { system, parameters, along: &None, t, h, stretch: *stretch };
-        let mut word = WithParts { flows, parts, heat: S::from_f64(0.0) };
+        let mut parts = FlowsInBath { flows, parts, heat: S::from_f64(0.0) };
         let state = [q.list(), p.list()];
-        let effort = stages::take_parts(system, &mut word, list, state, &dw[..noises], memory, carry)?;
-        bath.heat = word.heat;
+        let effort = take_parts(system, &mut parts, word, state, &dw[..noises], memory, carry)?;
+        bath.heat = parts.heat;
         Ok(effort)
     }
 }
@@ -256,25 +236,24 @@ fn in_tiles<'m, F: Field, K: Constant, S: ComputesWith<K>, C: StateSum<S>, W: Le
         Ok(driven) => driven,
         Err(failure) => return Some(Err(failure)),
     };
-    let relaxing = driven.by_place(W::SPELLING.parts, degrees)?;
-    let StageList(list) =
-        if givens.dw.is_empty() && !C::CARRIES { &prepared.joined } else { &prepared.apart };
+    let relaxing = driven.by_place(W::O_PARTS, degrees)?;
+    let word = if givens.dw.is_empty() && !C::CARRIES { &prepared.joined } else { &prepared.spelled };
     let taken = match C::CARRIES {
-        true => tiles.take_parts_in_tiles::<F, true, true>(system, list, givens, Some(relaxing)),
-        false => tiles.take_parts_in_tiles::<F, true, false>(system, list, givens, Some(relaxing)),
+        true => tiles.take_parts_in_tiles::<F, true, true>(system, word, givens, Some(relaxing)),
+        false => tiles.take_parts_in_tiles::<F, true, false>(system, word, givens, Some(relaxing)),
     };
     Some(taken.map(|taken| (taken, relaxing.heat())))
 }
 
-/// The parts of a step.
-struct WithParts<'m, F: Field, K: Constant, S> {
+/// Kicks, drifts and O parts.
+struct FlowsInBath<'m, F: Field, K: Constant, S> {
     flows: KickDriftFlows<'m, F, K>,
     parts: OParts<'m, F, K, S>,
     heat: S,
 }
 
-impl<F: Field, K: Constant, S: ComputesWith<K>> StepParts<S, F::Shape, Act> for WithParts<'_, F, K, S> {
-    const IS_PARTIAL: bool = <KickDriftFlows<'_, F, K> as StepParts<S, F::Shape, Act>>::IS_PARTIAL;
+impl<F: Field, K: Constant, S: ComputesWith<K>> ListParts<S, F::Shape, Part> for FlowsInBath<'_, F, K, S> {
+    const IS_PARTIAL: bool = <KickDriftFlows<'_, F, K> as ListParts<S, F::Shape, Part>>::IS_PARTIAL;
 
     fn begin_again(&mut self) {
         self.heat = S::from_f64(0.0);
@@ -284,20 +263,21 @@ impl<F: Field, K: Constant, S: ComputesWith<K>> StepParts<S, F::Shape, Act> for 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_part<C: StateSum<S>, const EXACT: bool>(
         &mut self,
-        stage: &Stage<Act>,
+        substep: &Substep,
         lists: &mut SplittingLists<'_, S, F::Shape>,
         kept: &mut KeptForce<S, F::Shape>,
         scratch: &mut PartScratch<S>,
     ) -> Result<(), StepFailure> {
-        let (part, drift) = match stage.act {
-            Act::Flow(_) | Act::Square(_) => {
-                return self.flows.take_part::<C, EXACT>(stage, lists, kept, scratch);
+        let drift = match substep.part {
+            Part::A | Part::B | Part::GradientB(_) => {
+                return self.flows.take_part::<C, EXACT>(substep, lists, kept, scratch);
             }
-            Act::Relax(part) => (part, None),
-            Act::RelaxBetween(part) => (part, Some(self.flows.h * (self.flows.stretch * stage.weight))),
+            Part::O => None,
+            Part::AOA => Some(self.flows.h * (self.flows.stretch * substep.weight)),
         };
         let SplittingLists { q, p, rooms } = lists;
-        self.heat = self.heat + self.parts.apply::<C>(part, drift, [q, p, rooms.lost_p.as_mut()])?;
+        self.heat =
+            self.heat + self.parts.apply::<C>(substep.number, drift, [q, p, rooms.lost_p.as_mut()])?;
         Ok(())
     }
 }

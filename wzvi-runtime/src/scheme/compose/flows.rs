@@ -14,15 +14,15 @@
 
 use std::marker::PhantomData;
 
-use super::Composes;
 use super::gradient::KickInput;
 use super::lagrangian::{self, SequenceEnd};
-use super::stages::{
-    Act, ForceReuse, ForceTime, KeptForce, PartScratch, SplittingLists, SplittingMemory, SplittingRooms,
-    Stage, StageList, StepParts, add, follow, take_parts,
+use super::lists::{
+    ForceTime, KeptForce, ListParts, PartScratch, SplittingLists, SplittingMemory, SplittingRooms, add,
+    follow, take_parts,
 };
-use super::substeps::{Half, Substeps, kept_energy, plan};
+use super::plans::{kept_energy, plan};
 use super::tiled::{TiledInput, least_scalar, takes_tiles};
+use super::{ComposedWord, Composes};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{ComputesWith, Constant, ConstantsIn, Parameters as _, Scalar};
 use crate::algebra::shape::Shape;
@@ -38,15 +38,16 @@ use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
     Hamiltonian, LiftParameter, Movable, Properties, Scheme, Segment, StepArguments, as_they_are,
 };
+use crate::scheme::word::{ForceUse, Part, Substep, Word};
 
 /// The drifts and kicks `W` in turn; `SQUARES` if kicks are by potentials with the square of the force.
 #[derive(Clone, Copy, Debug)]
 pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 
-impl<F, E, T, W, const SQUARES: bool> Scheme<F> for KickDrift<Substeps<E, T, W>, SQUARES>
+impl<F, E, T, W, const SQUARES: bool> Scheme<F> for KickDrift<ComposedWord<E, T, W>, SQUARES>
 where
     F: Field,
-    W: Composes<E, T>,
+    W: Composes<E, T, Part = Part>,
 {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties = Properties {
@@ -78,8 +79,7 @@ where
     ) -> Result<Self::Prepared<K>, ConfigError> {
         check_new(system)?;
         let along = SQUARES.then(|| system.parameters(&|number, value| lift(number, value).lifted()));
-        let stages = StageList::of(&W::substeps()).flows(W::GRADIENT);
-        Ok(KickDriftConstants { parameters: system.parameters(lift), along, stages })
+        Ok(KickDriftConstants { parameters: system.parameters(lift), along, word: W::word() })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -87,13 +87,13 @@ where
             return None;
         }
         let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
-        Some(KickDriftConstants { parameters, along: None, stages: prepared.first()?.stages.clone() })
+        Some(KickDriftConstants { parameters, along: None, word: prepared.first()?.word.clone() })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &F,
-        KickDriftConstants { parameters, along, stages: StageList(stages) }: &Self::Prepared<K>,
+        KickDriftConstants { parameters, along, word }: &Self::Prepared<K>,
         StepArguments { t, h, q, p, dw }: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
@@ -107,34 +107,33 @@ where
             let givens =
                 TiledInput { t: t.lane(0), h: h.lane(0), stretch: 1.0, q: own_q, p: own_p, lost, dw };
             let taken = match C::CARRIES {
-                true => memory.tiles.take_parts_in_tiles::<F, false, true>(system, stages, givens, None)?,
-                false => memory.tiles.take_parts_in_tiles::<F, false, false>(system, stages, givens, None)?,
+                true => memory.tiles.take_parts_in_tiles::<F, false, true>(system, word, givens, None)?,
+                false => memory.tiles.take_parts_in_tiles::<F, false, false>(system, word, givens, None)?,
             };
             taken.store(q, p, carry);
             return Ok(Effort::fast(0));
         }
         let mut flows =
             KickDriftFlows::<_, _, SQUARES> { system, parameters, along, t, h, stretch: K::from_f64(1.0) };
-        take_parts(system, &mut flows, stages, [q.list(), p.list()], dw, memory, carry)
+        take_parts(system, &mut flows, word, [q.list(), p.list()], dw, memory, carry)
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
-        let StageList(stages) = StageList::of(&W::substeps()).flows(W::GRADIENT);
         let parameters = &system.parameters(&as_they_are);
         let Segment { t, h, .. } = *segment;
         let along = &SQUARES.then(|| system.parameters(&as_they_are));
         let flows = KickDriftFlows::<_, _, SQUARES> { system, parameters, along, t, h, stretch: 1.0 };
-        lagrangian::value(segment, dw, Hamiltonian::noises(system), || flows.follow(&stages, segment, dw))
+        lagrangian::value(segment, dw, Hamiltonian::noises(system), || flows.follow(&W::word(), segment, dw))
     }
 }
 
-/// The parameters of a system, and the parts of a step.
+/// The parameters of a system, and the word of a step.
 #[derive(Clone, Debug)]
 pub struct KickDriftConstants<P, A> {
     parameters: P,
     /// The parameters for kicks with the square of the force, which take one more derivative.
     along: Option<A>,
-    stages: StageList<Act>,
+    word: Word,
 }
 
 /// The flows in a step.
@@ -144,7 +143,7 @@ pub(crate) struct KickDriftFlows<'a, F: Field, K: Constant, const SQUARES: bool 
     pub(crate) along: &'a Option<ConstantsIn<F::Parameters, K::Lifted>>,
     pub(crate) t: K,
     pub(crate) h: K,
-    /// The ratio of the time of all flows to that of their stages.
+    /// The ratio of the time of all flows to that in the word.
     pub(crate) stretch: K,
 }
 
@@ -156,7 +155,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> Clone for KickDriftFlows<'_, F,
 
 impl<F: Field, K: Constant, const SQUARES: bool> Copy for KickDriftFlows<'_, F, K, SQUARES> {}
 
-impl<F: Field, K: Constant, S: ComputesWith<K>, const SQUARES: bool> StepParts<S, F::Shape, Act>
+impl<F: Field, K: Constant, S: ComputesWith<K>, const SQUARES: bool> ListParts<S, F::Shape, Part>
     for KickDriftFlows<'_, F, K, SQUARES>
 {
     const IS_PARTIAL: bool = !F::Shape::IS_FIXED && takes_common_range::<F, S>();
@@ -164,35 +163,33 @@ impl<F: Field, K: Constant, S: ComputesWith<K>, const SQUARES: bool> StepParts<S
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_part<C: StateSum<S>, const EXACT: bool>(
         &mut self,
-        stage: &Stage<Act>,
+        substep: &Substep,
         lists: &mut SplittingLists<'_, S, F::Shape>,
         kept: &mut KeptForce<S, F::Shape>,
         scratch: &mut PartScratch<S>,
     ) -> Result<(), StepFailure> {
         let SplittingLists { q, p, rooms } = lists;
-        let (t, h) = (self.t + self.h * stage.node, self.h * (self.stretch * stage.share));
-        match stage.act {
-            Act::Flow(Half::First) => {
+        let (t, h) = (self.t + self.h * substep.node, self.h * (self.stretch * substep.share));
+        match substep.part {
+            Part::A => {
                 let SplittingRooms { lost_q, velocity, .. } = &mut **rooms;
                 self.drift::<S, C, EXACT>(h, q, p, &scratch.dw, velocity.as_mut(), lost_q.as_mut());
             }
-            Act::Square(gradient) if SQUARES => {
+            Part::GradientB(factor) if SQUARES => {
                 let PartScratch { directional, dw, .. } = scratch;
                 let (force, change) = (rooms.force.as_mut(), rooms.velocity.as_mut());
                 directional.fit(q.len(), dw.len());
-                KickInput { flows: self, stage, q, dw }.differentiate(directional, force, change)?;
-                let factor = 2.0 * gradient / Scalar::powi(stage.share, 3);
+                KickInput { flows: self, substep, q, dw }.differentiate(directional, force, change)?;
+                let factor = 2.0 * factor / Scalar::powi(substep.share, 3);
                 for (force, change) in force.iter_mut().zip(change) {
                     *force = *force + *change * factor;
                 }
                 add::<S, C>(p, force, rooms.lost_p.as_mut());
             }
-            Act::Flow(Half::Second) | Act::Square(_) => {
-                self.kick::<S, C, EXACT>(ForceTime { t, h }, stage, lists, kept, scratch);
+            Part::B | Part::GradientB(_) => {
+                self.kick::<S, C, EXACT>(ForceTime { t, h }, substep.force, lists, kept, scratch);
             }
-            Act::Relax(_) | Act::RelaxBetween(_) => {
-                return Err(StepFailure::Internal(StepPromise::Bath));
-            }
+            Part::O | Part::AOA => return Err(StepFailure::Internal(StepPromise::Bath)),
         }
         Ok(())
     }
@@ -261,19 +258,19 @@ impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARE
     fn kick<S: ComputesWith<K>, C: StateSum<S>, const EXACT: bool>(
         &self,
         origin: ForceTime<K>,
-        stage: &Stage<Act>,
+        force_use: ForceUse,
         SplittingLists { q, p, rooms }: &mut SplittingLists<'_, S, F::Shape>,
         kept: &mut KeptForce<S, F::Shape>,
         PartScratch { dw, columns, .. }: &mut PartScratch<S>,
     ) {
         let &Self { system, parameters, .. } = self;
         let ForceTime { t, h } = origin;
-        if Self::IN_PLACE && !C::CARRIES && !stage.is_end {
+        if Self::IN_PLACE && !C::CARRIES && !force_use.is_at_end() {
             return self.add_force::<S, EXACT>(origin, q, dw, p, columns);
         }
         let SplittingRooms { force, lost_p, .. } = &mut **rooms;
-        let reuse = if dw.is_empty() { stage.reuse } else { ForceReuse::None };
-        if reuse == ForceReuse::FromStepBefore
+        let force_use = if dw.is_empty() { force_use } else { ForceUse::Once };
+        if force_use == ForceUse::FromStepBefore
             && let Some(force) = kept.for_kick(origin, F::FORCE_READS_TIME)
         {
             return add::<S, C>(p, force, lost_p.as_mut());
@@ -287,7 +284,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> KickDriftFlows<'_, F, K, SQUARE
             system.step_gradient::<K, S, true, false>(parameters, at, into, columns);
         }
         add::<S, C>(p, force.as_ref(), lost_p.as_mut());
-        if reuse == ForceReuse::ForNextStep {
+        if force_use == ForceUse::ForNextStep {
             kept.keep(origin, force);
         }
     }
@@ -299,7 +296,7 @@ impl<F: Field, const SQUARES: bool> KickDriftFlows<'_, F, f64, SQUARES> {
     /// `V = F(·, p_0) - T(p_0)` sum to values of `F`, less `F(q_0, p_0)`.
     fn follow(
         mut self,
-        stages: &[Stage<Act>],
+        word: &Word,
         segment: &Segment<F::Vector>,
         dw: &[f64],
     ) -> Option<SequenceEnd<F::Vector>> {
@@ -312,13 +309,13 @@ impl<F: Field, const SQUARES: bool> KickDriftFlows<'_, F, f64, SQUARES> {
         };
         let flows = self;
         let mut followed =
-            follow(&mut self, stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
-                Act::Flow(Half::First) => {
+            follow(&mut self, word, segment, dw, |substep, [before, _], [q, p]| match substep.part {
+                Part::A => {
                     let moved: f64 =
                         p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
-                    moved - stage.weight * value(q0, p, t)
+                    moved - substep.weight * value(q0, p, t)
                 }
-                _ => flows.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h),
+                _ => flows.of_square(substep, q, dw) - substep.weight * value(q, p0, t + substep.node * h),
             })?;
         followed.action += value(q0, p0, t);
         Some(followed)

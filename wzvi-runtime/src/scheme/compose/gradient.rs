@@ -13,34 +13,33 @@
 //! are of the fraction `s = -b` of `F`, for which the last term is `2 c / s³` times `s³ V'' T'' V'`.
 
 use super::flows::KickDriftFlows;
-use super::stages::{Act, Stage};
 use crate::algebra::scalar::{ComputesWith, Constant, ConstantsIn, Dual, Scalar};
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::elements::PairColumns;
 use crate::scheme::gauss::Field;
+use crate::scheme::word::{Part, Substep};
 
 impl<F: Field, const SQUARES: bool> KickDriftFlows<'_, F, f64, SQUARES> {
     /// `c |V'(q)|²` of a kick.
-    pub(super) fn of_square(&self, stage: &Stage<Act>, q: &[f64], dw: &[f64]) -> f64 {
-        let Act::Square(gradient) = stage.act else { return 0.0 };
+    pub(super) fn of_square(&self, substep: &Substep, q: &[f64], dw: &[f64]) -> f64 {
+        let Part::GradientB(factor) = substep.part else { return 0.0 };
         let (mut directional, degrees) = (Directional::default(), q.len());
         directional.fit(degrees, dw.len());
-        let dw: Vec<f64> = dw.iter().map(|dw| stage.share * dw).collect();
+        let dw: Vec<f64> = dw.iter().map(|dw| substep.share * dw).collect();
         let [mut force, mut change] = [vec![0.0; degrees], vec![0.0; degrees]];
-        let square = KickInput { flows: self, stage, q, dw: &dw }.differentiate(
+        let square = KickInput { flows: self, substep, q, dw: &dw }.differentiate(
             &mut directional,
             &mut force,
             &mut change,
         );
-        gradient / Scalar::powi(stage.share, 3) * square.unwrap_or(f64::NAN)
+        factor / Scalar::powi(substep.share, 3) * square.unwrap_or(f64::NAN)
     }
 }
 
-/// The input of a force, which is evaluated for the fraction of the step Hamiltonian given by the share of
-/// the stage.
+/// The input of a force, which is evaluated for the share of the step Hamiltonian that the kick has.
 pub(super) struct KickInput<'a, 'f, F: Field, K: Constant, S, const SQUARES: bool> {
     pub(super) flows: &'a KickDriftFlows<'f, F, K, SQUARES>,
-    pub(super) stage: &'a Stage<Act>,
+    pub(super) substep: &'a Substep,
     pub(super) q: &'a [S],
     pub(super) dw: &'a [S],
 }
@@ -57,9 +56,9 @@ impl<F: Field, K: Constant, S: ComputesWith<K>, const SQUARES: bool> KickInput<'
         force: &mut [S],
         change: &mut [S],
     ) -> Result<S, StepFailure> {
-        let &Self { flows: &KickDriftFlows { system, parameters, along, t, h, .. }, stage, q, dw } = self;
+        let &Self { flows: &KickDriftFlows { system, parameters, along, t, h, .. }, substep, q, dw } = self;
         let Some(along) = along else { return Err(StepFailure::Internal(StepPromise::PlainConstants)) };
-        let (t, h) = (t + h * stage.node, h * stage.share);
+        let (t, h) = (t + h * substep.node, h * substep.share);
         // `V'` and the constant `T''` do not depend on the momenta.
         let (at, into) = (([S::constant(t), S::constant(h)], [q, q], dw), [&mut *force, &mut []]);
         system.step_gradient::<K, S, true, false>(parameters, at, into, &mut room.columns);

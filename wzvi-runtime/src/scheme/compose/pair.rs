@@ -2,11 +2,11 @@
 
 use std::marker::PhantomData;
 
-use super::Composes;
 use super::lagrangian::{self, SequenceEnd};
 use super::memory::CompositionMemory;
-use super::substeps::{Half, Substeps, joint_plan, kept_energy, plan};
+use super::plans::{joint_plan, kept_energy, plan};
 use super::text::Listing;
+use super::{ComposedWord, Composes};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
@@ -19,21 +19,52 @@ use crate::scheme::system::{
     Discretized, Hamiltonian, LiftParameter, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf,
     Segment, StepArguments, anew, as_they_are, check_state,
 };
+use crate::scheme::word::{Part, PartKind, Substep, Weighted, Word};
 
-/// Steps `W` of the schemes `A` and `B`, which may be the same.
+/// Steps `W` of the basic method `A` and its adjoint `B`, which may be the same.
 #[derive(Clone, Copy, Debug)]
 pub struct PairComposition<A, B, W>(PhantomData<(A, B, W)>);
+
+/// The scheme that takes a step of a composition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BasicMethod {
+    /// The basic method, such as `DeltaPlus`.
+    Itself,
+    /// Its adjoint, such as `DeltaMinus`.
+    Adjoint,
+}
+
+/// The steps take all of the system along, with its time.
+impl PartKind for BasicMethod {
+    const NOTE: &'static str = ", by steps of DeltaMinus (drift) and DeltaPlus (kick) of which each is a coefficient less the one before";
+    const IS_FLOW: bool = false;
+
+    fn moves_time_of(self, _: Self) -> bool {
+        true
+    }
+
+    /// Alternating steps with the weights `z_1 = x_1`, `z_{i+1} = x_{i+1} - z_i` for the coefficients `x`
+    /// without the last one. A drift comes first in `DeltaMinus`, a kick in `DeltaPlus`.
+    fn of_table(table: &[Weighted<Part>]) -> Word<Self> {
+        let mut weight = 0.0;
+        let coefficients = table.split_last().map_or(&[][..], |(_, coefficients)| coefficients);
+        Word::of(coefficients.iter().map(|coefficient| {
+            weight = coefficient.weight - weight;
+            let part = if coefficient.part == Part::A { Self::Adjoint } else { Self::Itself };
+            Weighted { part, weight }
+        }))
+    }
+}
 
 /// The prepared parts of a step.
 #[derive(Clone, Debug)]
 pub struct PairConstants<A, B> {
-    /// The kind of each part, after which fraction of the step it starts, and which fraction it is.
-    parts: Vec<(Half, f64, f64)>,
-    /// The constants of the steps of each kind, in the order of the parts.
+    word: Word<BasicMethod>,
+    /// The constants of the steps of each method, in the order of the word.
     of: (Vec<A>, Vec<B>),
 }
 
-/// The prepared parts of one kind, in lanes.
+/// The prepared steps of one method, in lanes.
 fn gather_all<H: Discretized<E>, E, const L: usize>(
     of_lanes: [&Vec<PreparedOf<H, E>>; L],
 ) -> Option<Vec<PreparedOf<H, E, Lanes<L>>>> {
@@ -64,10 +95,10 @@ fn scale<S: Scalar>(dw: &[S], weight: f64, into: &mut Vec<S>) {
     into.extend(dw.iter().map(|dw| *dw * weight));
 }
 
-impl<H, A, B, E, T, W> Scheme<H> for PairComposition<A, B, Substeps<E, T, W>>
+impl<H, A, B, E, T, W> Scheme<H> for PairComposition<A, B, ComposedWord<E, T, W>>
 where
     H: Discretized<A> + Discretized<B>,
-    W: Composes<E, T>,
+    W: Composes<E, T, Part = BasicMethod>,
 {
     const PLAN: Plan =
         plan(joint_plan(<SchemeOf<H, A> as Scheme<H>>::PLAN, <SchemeOf<H, B> as Scheme<H>>::PLAN), W::ORDER);
@@ -93,10 +124,10 @@ where
 
     fn memory(system: &H) -> Self::Memory<f64> {
         let mut parts = (Vec::new(), Vec::new());
-        for (half, _) in W::substeps() {
-            match half {
-                Half::First => parts.0.push(SchemeOf::<H, A>::memory(system)),
-                Half::Second => parts.1.push(SchemeOf::<H, B>::memory(system)),
+        for Substep { part, .. } in W::word().substeps {
+            match part {
+                BasicMethod::Itself => parts.0.push(SchemeOf::<H, A>::memory(system)),
+                BasicMethod::Adjoint => parts.1.push(SchemeOf::<H, B>::memory(system)),
             }
         }
         CompositionMemory::of(parts).with_room(system.degrees(), system.noises())
@@ -107,22 +138,20 @@ where
         lift: LiftParameter<'_, K>,
         h: K,
     ) -> Result<Self::Prepared<K>, ConfigError> {
-        let (mut start, mut parts, mut of) = (0.0, Vec::new(), (Vec::new(), Vec::new()));
-        for (half, weight) in W::substeps() {
-            match half {
-                Half::First => of.0.push(SchemeOf::<H, A>::prepare(system, lift, h * weight)?),
-                Half::Second => of.1.push(SchemeOf::<H, B>::prepare(system, lift, h * weight)?),
+        let (word, mut of) = (W::word(), (Vec::new(), Vec::new()));
+        for &Substep { part, weight, .. } in &word.substeps {
+            match part {
+                BasicMethod::Itself => of.0.push(SchemeOf::<H, A>::prepare(system, lift, h * weight)?),
+                BasicMethod::Adjoint => of.1.push(SchemeOf::<H, B>::prepare(system, lift, h * weight)?),
             }
-            parts.push((half, start, weight));
-            start += weight;
         }
-        Ok(PairConstants { parts, of })
+        Ok(PairConstants { word, of })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
         let first = gather_all::<H, A, L>(prepared.map(|prepared| &prepared.of.0))?;
         let second = gather_all::<H, B, L>(prepared.map(|prepared| &prepared.of.1))?;
-        Some(PairConstants { parts: prepared.first()?.parts.clone(), of: (first, second) })
+        Some(PairConstants { word: prepared.first()?.word.clone(), of: (first, second) })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -140,20 +169,18 @@ where
         seconds.resize_with(prepared.of.1.len(), Default::default);
         memory.save(q, p, carry);
         let mut effort = Effort::fast(0);
-        let (mut first, mut second, mut failed) = (0, 0, FailedLanes::default());
-        for &(half, start, weight) in &prepared.parts {
+        let mut failed = FailedLanes::default();
+        for &Substep { part, node, weight, number, .. } in &prepared.word.substeps {
             let CompositionMemory { parts: (firsts, seconds), dw: scaled, .. } = &mut *memory;
             scale(dw, weight, scaled);
-            let at = StepArguments { t: t + h * start, h: h * weight, q: &mut *q, p: &mut *p, dw: scaled };
-            let taken = match half {
-                Half::First => {
-                    let (prepared, memory) = (&prepared.of.0[first], &mut firsts[first]);
-                    first += 1;
+            let at = StepArguments { t: t + h * node, h: h * weight, q: &mut *q, p: &mut *p, dw: scaled };
+            let taken = match part {
+                BasicMethod::Itself => {
+                    let (prepared, memory) = (&prepared.of.0[number], &mut firsts[number]);
                     SchemeOf::<H, A>::advance::<K, S, C, CAREFUL>(system, prepared, at, memory, carry)
                 }
-                Half::Second => {
-                    let (prepared, memory) = (&prepared.of.1[second], &mut seconds[second]);
-                    second += 1;
+                BasicMethod::Adjoint => {
+                    let (prepared, memory) = (&prepared.of.1[number], &mut seconds[number]);
                     SchemeOf::<H, B>::advance::<K, S, C, CAREFUL>(system, prepared, at, memory, carry)
                 }
             };
@@ -173,24 +200,23 @@ where
     fn discrete_lagrangian(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
         lagrangian::value(segment, dw, system.noises(), || {
             let mut state = State { q: segment.q0.clone(), p: segment.p.clone(), t: segment.t };
-            let (mut action, mut start) = (0.0, 0.0);
-            for (half, weight) in W::substeps() {
-                state.t = segment.t + start * segment.h;
+            let mut action = 0.0;
+            for Substep { part, weight, node, .. } in W::word().substeps {
+                state.t = segment.t + node * segment.h;
                 let own_dw: Vec<f64> = dw.iter().map(|dw| weight * dw).collect();
                 let h = weight * segment.h;
-                action += match half {
-                    Half::First => part::<H, SchemeOf<H, A>>(system, &mut state, h, &own_dw)?,
-                    Half::Second => part::<H, SchemeOf<H, B>>(system, &mut state, h, &own_dw)?,
+                action += match part {
+                    BasicMethod::Itself => follow::<H, SchemeOf<H, A>>(system, &mut state, h, &own_dw)?,
+                    BasicMethod::Adjoint => follow::<H, SchemeOf<H, B>>(system, &mut state, h, &own_dw)?,
                 };
-                start += weight;
             }
             Some(SequenceEnd { q: state.q, p: state.p, action })
         })
     }
 }
 
-/// Moves the state by one part, and returns its discrete Lagrangian.
-fn part<H: Hamiltonian, T: Scheme<H>>(
+/// Moves the state by one step of the composition, and returns its discrete Lagrangian.
+fn follow<H: Hamiltonian, T: Scheme<H>>(
     system: &H,
     state: &mut State<H::Vector>,
     h: f64,

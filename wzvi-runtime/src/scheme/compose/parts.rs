@@ -11,14 +11,14 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use super::Composes;
 use super::lagrangian::{self, SequenceEnd};
 use super::linear::LinearFlow;
-use super::stages::{
-    KeptForce, PartScratch, SplittingLists, SplittingMemory, SplittingRooms, Stage, StageList, StepParts,
-    add, follow, take_parts,
+use super::lists::{
+    KeptForce, ListParts, PartScratch, SplittingLists, SplittingMemory, SplittingRooms, add, follow,
+    take_parts,
 };
-use super::substeps::{Half, Substep, Substeps, plan};
+use super::plans::plan;
+use super::{ComposedWord, Composes};
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
@@ -32,8 +32,34 @@ use crate::scheme::system::{
     Hamiltonian as _, LiftParameter, Movable, Properties, Scheme, Segment, StepArguments, as_they_are,
     varied_without_lists,
 };
+use crate::scheme::word::{Part, PartKind, Substep, Weighted, Word};
 
-/// The form of a part of the Hamiltonian.
+/// A summand of `drift = [H_A, H_B]`, as the part of a word: its flow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Summand {
+    /// `H_A`
+    A,
+    /// `H_B`
+    B,
+}
+
+/// Each summand acts at the time that the flow of the other has reached.
+impl PartKind for Summand {
+    const IS_FLOW: bool = true;
+
+    fn moves_time_of(self, other: Self) -> bool {
+        self != other
+    }
+
+    fn of_table(table: &[Weighted<Part>]) -> Word<Self> {
+        Word::of(table.iter().map(|&Weighted { part, weight }| Weighted {
+            part: if part == Part::A { Self::A } else { Self::B },
+            weight,
+        }))
+    }
+}
+
+/// The form of a summand of the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// A function of coordinates and time.
@@ -57,7 +83,7 @@ impl<F: Elements> TwoParts<F> {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn gradient_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     system: &F,
-    part: Half,
+    summand: Summand,
     parameters: &[S::Constant],
     [t, h]: [S::Constant; 2],
     [q, p]: [&[S]; 2],
@@ -68,33 +94,33 @@ fn gradient_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     by_p.fill(S::from_f64(0.0));
     let at = EvaluationPoint { h, ..EvaluationPoint::new([q, p], t, parameters, &[]) };
     let wanted = Partials { by_q: BY_Q, by_p: BY_P };
-    let summand = Role::Summand(part as usize).times(1.0);
-    slopes(system, summand, &at, wanted, by_q, by_p, columns);
+    let term = Role::Summand(summand as usize).times(1.0);
+    slopes(system, term, &at, wanted, by_q, by_p, columns);
 }
 
 /// The flows of the two parts in turn.
 #[derive(Clone, Copy, Debug)]
 pub struct PartFlows<W>(PhantomData<W>);
 
-/// The parts of a step.
+/// The parameters of a system, and the word of a step.
 #[derive(Clone, Debug)]
 pub struct PartConstants<K> {
     parameters: Vec<K>,
-    stages: StageList<Act<K>>,
+    word: Word<SummandFlow<K>>,
 }
 
-/// The flow of a part.
+/// The flow of a summand.
 #[derive(Clone, Debug)]
-enum Act<K> {
+enum SummandFlow<K> {
     /// `p ← p - a ∂H/∂q`
-    Kick(Half),
+    Kick(Summand),
     /// `q ← q + a ∂H/∂p`
-    Drift(Half),
+    Drift(Summand),
     /// A linear map.
     Map(Arc<LinearFlow<K>>),
 }
 
-/// Prepares the parts of a step, with one map for all stages of the same part and weight.
+/// Prepares a word, with one map for all parts of the same summand and weight.
 ///
 /// # Errors
 /// [`ConfigError::Parameter`] where a coefficient is not finite.
@@ -103,44 +129,42 @@ fn prepare<F: Elements, K: Constant>(
     degrees: usize,
     lift: LiftParameter<'_, K>,
     h: K,
-    substeps: &[Substep],
+    word: &Word<Summand>,
 ) -> Result<PartConstants<K>, ConfigError> {
     let parameters = varied_without_lists(system, lift)?;
     let mut columns = PairColumns::default();
-    let mut known: Vec<(Stage, Arc<LinearFlow<K>>)> = Vec::new();
-    let mut act = |stage: &Stage| {
-        let half = stage.act;
-        match TwoParts::<F>::FORMS[half as usize] {
-            Form::Coordinates => return Ok(Act::Kick(half)),
-            Form::Momenta => return Ok(Act::Drift(half)),
+    let mut known: Vec<(Substep<Summand>, Arc<LinearFlow<K>>)> = Vec::new();
+    let mut flow = |substep: &Substep<Summand>| {
+        let &Substep { part: summand, weight, .. } = substep;
+        match TwoParts::<F>::FORMS[summand as usize] {
+            Form::Coordinates => return Ok(SummandFlow::Kick(summand)),
+            Form::Momenta => return Ok(SummandFlow::Drift(summand)),
             Form::Quadratic => {}
         }
-        if let Some((_, map)) =
-            known.iter().find(|(other, _)| (other.act, other.weight) == (half, stage.weight))
-        {
-            return Ok(Act::Map(map.clone()));
+        if let Some((_, map)) = known.iter().find(|(of, _)| (of.part, of.weight) == (summand, weight)) {
+            return Ok(SummandFlow::Map(map.clone()));
         }
-        let map = LinearFlow::new(degrees, h * stage.weight, &mut |x, slopes| {
+        let map = LinearFlow::new(degrees, h * weight, &mut |x, slopes| {
             let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
             let unit = [0.0, 1.0].map(Scalar::from_f64);
             let varied = K::varied(&parameters);
             let (at, into) = ([q, p], [&mut *by_q, by_p]);
-            gradient_of_part::<F, K, true, true>(system, half, varied, unit, at, into, &mut columns);
+            gradient_of_part::<F, K, true, true>(system, summand, varied, unit, at, into, &mut columns);
             if F::FACTS.kind.is_conformal {
                 let rate: K = system.friction_rate(&parameters);
                 by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope = *slope + rate * *p);
             }
         });
         let map = Arc::new(map?);
-        known.push((*stage, map.clone()));
-        Ok(Act::Map(map))
+        known.push((*substep, map.clone()));
+        Ok(SummandFlow::Map(map))
     };
-    let stages = StageList::of(substeps).0;
-    let stages = stages.iter().map(|stage| Ok(stage.with(act(stage)?))).collect::<Result<_, _>>()?;
-    Ok(PartConstants { parameters, stages: StageList(stages) })
+    let substeps = word.substeps.iter().map(|substep| Ok(substep.with(flow(substep)?)));
+    let word = Word { substeps: substeps.collect::<Result<_, _>>()? };
+    Ok(PartConstants { parameters, word })
 }
 
-impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<Substeps<E, T, W>> {
+impl<F: Elements, E, T, W: Composes<E, T, Part = Summand>> Scheme<F> for PartFlows<ComposedWord<E, T, W>> {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
@@ -159,20 +183,20 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<Substeps<E, T
         h: K,
     ) -> Result<PartConstants<K>, ConfigError> {
         check_new(system)?;
-        prepare(system, system.degrees(), lift, h, &W::substeps())
+        prepare(system, system.degrees(), lift, h, &W::word())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &F,
-        PartConstants { parameters, stages }: &PartConstants<K>,
+        PartConstants { parameters, word }: &PartConstants<K>,
         at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let StepArguments { t, h, q, p, dw } = at.lists().shared();
         let mut flows = TwoPartFlows::<F, S> { system, parameters: S::varied(parameters), t, h };
-        take_parts(system, &mut flows, &stages.0, [q, p], dw, memory, carry)
+        take_parts(system, &mut flows, word, [q, p], dw, memory, carry)
     }
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral
@@ -185,7 +209,7 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<Substeps<E, T
     }
 }
 
-impl<E, T, W: Composes<E, T>> PartFlows<Substeps<E, T, W>> {
+impl<E, T, W: Composes<E, T, Part = Summand>> PartFlows<ComposedWord<E, T, W>> {
     fn follow<F: Elements>(
         system: &F,
         segment: &Segment<F::Vector>,
@@ -193,25 +217,24 @@ impl<E, T, W: Composes<E, T>> PartFlows<Substeps<E, T, W>> {
     ) -> Option<SequenceEnd<F::Vector>> {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
-        let prepared = prepare(system, degrees, &as_they_are, h, &W::substeps()).ok()?;
-        let StageList(stages) = prepared.stages;
-        let action = |stage: &Stage<Act<f64>>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
-            let value = |half: Half| {
-                let at = EvaluationPoint::new([q, p], t + stage.node * h, &[], &[]);
-                stage.weight * h * system.value(Role::Summand(half as usize), 1.0, &at)
+        let PartConstants { word, .. } = prepare(system, degrees, &as_they_are, h, &W::word()).ok()?;
+        let action = |substep: &Substep<SummandFlow<f64>>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
+            let value = |summand: Summand| {
+                let at = EvaluationPoint::new([q, p], t + substep.node * h, &[], &[]);
+                substep.weight * h * system.value(Role::Summand(summand as usize), 1.0, &at)
             };
-            match &stage.act {
-                Act::Kick(half) => -value(*half),
-                Act::Drift(half) => {
+            match &substep.part {
+                SummandFlow::Kick(summand) => -value(*summand),
+                SummandFlow::Drift(summand) => {
                     let moved =
                         p.iter().zip(q.iter().zip(before[0])).map(|(p, (q, before))| p * (q - before));
-                    moved.sum::<f64>() - value(*half)
+                    moved.sum::<f64>() - value(*summand)
                 }
-                Act::Map(map) => map.action(before, [q, p]),
+                SummandFlow::Map(map) => map.action(before, [q, p]),
             }
         };
         let mut flows = TwoPartFlows { system, parameters: &[], t, h };
-        follow(&mut flows, &stages, segment, dw, action)
+        follow(&mut flows, &word, segment, dw, action)
     }
 }
 
@@ -223,11 +246,13 @@ struct TwoPartFlows<'a, F, S: Scalar> {
     h: S::Constant,
 }
 
-impl<F: Elements, K: Constant, S: ComputesWith<K>> StepParts<S, F::Shape, Act<K>> for TwoPartFlows<'_, F, S> {
+impl<F: Elements, K: Constant, S: ComputesWith<K>> ListParts<S, F::Shape, SummandFlow<K>>
+    for TwoPartFlows<'_, F, S>
+{
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_part<C: StateSum<S>, const EXACT: bool>(
         &mut self,
-        stage: &Stage<Act<K>>,
+        substep: &Substep<SummandFlow<K>>,
         SplittingLists { q, p, rooms }: &mut SplittingLists<'_, S, F::Shape>,
         _: &mut KeptForce<S, F::Shape>,
         PartScratch { columns, .. }: &mut PartScratch<S>,
@@ -236,12 +261,12 @@ impl<F: Elements, K: Constant, S: ComputesWith<K>> StepParts<S, F::Shape, Act<K>
         let (q, p) = (&mut **q, &mut **p);
         let SplittingRooms { lost_q, lost_p, force, velocity } = &mut **rooms;
         let [lost_q, lost_p, force, velocity] = [lost_q, lost_p, force, velocity].map(AsMut::as_mut);
-        let (t, h) = (h * stage.node + t, h * stage.weight);
-        match &stage.act {
-            Act::Kick(half) => {
+        let (t, h) = (h * substep.node + t, h * substep.weight);
+        match &substep.part {
+            SummandFlow::Kick(summand) => {
                 let into = [&mut *force, &mut []];
                 let (at, times) = ([&*q, &*p], [t, -h]);
-                gradient_of_part::<F, S, true, false>(system, *half, parameters, times, at, into, columns);
+                gradient_of_part::<F, S, true, false>(system, *summand, parameters, times, at, into, columns);
                 if F::FACTS.kind.is_forced {
                     velocity.fill(S::from_f64(0.0));
                     forces(system, &EvaluationPoint::new([&*q, p], t, parameters, &[]), velocity, columns);
@@ -250,13 +275,13 @@ impl<F: Elements, K: Constant, S: ComputesWith<K>> StepParts<S, F::Shape, Act<K>
                 }
                 add::<S, C>(p, force, lost_p);
             }
-            Act::Drift(half) => {
+            SummandFlow::Drift(summand) => {
                 let into = [&mut [][..], &mut *velocity];
                 let (at, times) = ([&*q, &*p], [t, h]);
-                gradient_of_part::<F, S, false, true>(system, *half, parameters, times, at, into, columns);
+                gradient_of_part::<F, S, false, true>(system, *summand, parameters, times, at, into, columns);
                 add::<S, C>(q, velocity, lost_q);
             }
-            Act::Map(map) => {
+            SummandFlow::Map(map) => {
                 map.increments([q, p], [&mut *velocity, &mut *force]);
                 add::<S, C>(q, velocity, lost_q);
                 add::<S, C>(p, force, lost_p);

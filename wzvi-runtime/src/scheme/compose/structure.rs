@@ -3,15 +3,15 @@
 use std::marker::PhantomData;
 
 use super::flows::KickDrift;
-use super::pair::PairComposition;
-use super::parts::PartFlows;
-use super::substeps::{Half, SingleStep, Substep};
+use super::pair::{BasicMethod, PairComposition};
+use super::parts::{PartFlows, Summand};
 use super::text::{DRIFT_KICK, EquationsText};
-use super::{Composed, Composes, Symmetric, Verlet};
+use super::{Composed, Composes, Symmetric, Verlet, Weights};
 use crate::scheme::elements::Elements;
 use crate::scheme::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
 use crate::scheme::gauss::Gauss;
 use crate::scheme::system::{Discretized, Scheme};
+use crate::scheme::word::{Part, PartKind, Weighted};
 
 /// Any Hamiltonian.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +40,16 @@ where
     const EQUATIONS: &'static str = EquationsText::<H, E, W>::ALL;
 }
 
+/// One step, as a composition.
+#[derive(Clone, Copy, Debug)]
+pub enum SingleStep {}
+
+#[diagnostic::do_not_recommend]
+impl Weights for SingleStep {
+    const ORDER: u32 = 2;
+    const GAMMA: &'static [f64] = &[1.0];
+}
+
 /// The scheme that takes single steps of `E`.
 pub type WholeOf<H, E> = <SingleStep as Composes<E, <H as Elements>::Structure>>::Steps;
 
@@ -51,105 +61,82 @@ impl QuadraticKinetic for Parted<Nystrom> {}
 
 /// Structures of two parts whose flows are known.
 pub trait TwoFlows {
-    /// The scheme that takes the flows of the parts `W`.
+    /// The kinds of the two flows, as parts of words.
+    type Part: PartKind;
+    /// The scheme that takes the words `W`.
     type Flows<W>;
     /// Text for users: the first part, then the second.
     const PARTS: [&'static str; 2] = DRIFT_KICK;
 }
 
 impl TwoFlows for Separable {
+    type Part = Part;
     type Flows<W> = KickDrift<W>;
 }
 impl TwoFlows for Nystrom {
+    type Part = Part;
     type Flows<W> = KickDrift<W>;
 }
 impl<K> TwoFlows for Parted<K> {
+    type Part = Summand;
     type Flows<W> = PartFlows<W>;
     const PARTS: [&'static str; 2] = ["flow of H_A over ", "flow of H_B over "];
 }
 
-/// The note of [`in_pairs`].
-pub(super) const BY_PAIRS: &str = ", by steps of DeltaMinus (drift) and DeltaPlus (kick) of which each is a coefficient less the one before";
-
-/// Drifts and kicks as alternating steps of the adjoint pair, with the weights `z_1 = x_1`,
-/// `z_{i+1} = x_{i+1} - z_i` for the coefficients `x` without the last one. A drift comes first in
-/// `DeltaMinus`, a kick in `DeltaPlus`.
-pub(super) fn in_pairs(sequence: &[Substep]) -> Vec<Substep> {
-    let mut rest = 0.0;
-    let coefficients = sequence.split_last().map_or(&[][..], |(_, coefficients)| coefficients);
-    let steps = coefficients.iter().map(|&(part, coefficient)| {
-        rest = coefficient - rest;
-        let half = if part == Half::First { Half::Second } else { Half::First };
-        (half, rest)
-    });
-    steps.collect()
-}
+/// One step of a symmetric scheme.
+const WHOLE: &[Weighted<BasicMethod>] = &[Weighted { part: BasicMethod::Itself, weight: 1.0 }];
 
 impl<K> Symmetric<K> for Midpoint {
-    type First = Self;
-    type Second = Self;
+    type Basic = Self;
+    type Adjoint = Self;
+    type Part = BasicMethod;
     type Steps<W> = PairComposition<Self, Self, W>;
-
-    fn step(weight: f64, into: &mut Vec<Substep>) {
-        into.push((Half::First, weight));
-    }
+    const STEP: &'static [Weighted<BasicMethod>] = WHOLE;
 }
 
 impl<K, const S: usize> Symmetric<K> for Gauss<S> {
-    type First = Self;
-    type Second = Self;
+    type Basic = Self;
+    type Adjoint = Self;
+    type Part = BasicMethod;
     type Steps<W> = PairComposition<Self, Self, W>;
-
-    fn step(weight: f64, into: &mut Vec<Substep>) {
-        into.push((Half::First, weight));
-    }
+    const STEP: &'static [Weighted<BasicMethod>] = WHOLE;
 }
 
 impl Symmetric for Verlet {
-    type First = Uncorrected<DeltaPlus>;
-    type Second = Uncorrected<DeltaMinus>;
+    type Basic = Uncorrected<DeltaPlus>;
+    type Adjoint = Uncorrected<DeltaMinus>;
+    type Part = BasicMethod;
     type Steps<W> = PairComposition<Uncorrected<DeltaPlus>, Uncorrected<DeltaMinus>, W>;
-
-    fn step(weight: f64, into: &mut Vec<Substep>) {
-        into.extend([(Half::First, 0.5 * weight), (Half::Second, 0.5 * weight)]);
-    }
+    const STEP: &'static [Weighted<BasicMethod>] = &[
+        Weighted { part: BasicMethod::Itself, weight: 0.5 },
+        Weighted { part: BasicMethod::Adjoint, weight: 0.5 },
+    ];
 }
 
 impl<K> Symmetric<Parted<K>> for Verlet
 where
     Self: Symmetric<K>,
 {
-    type First = <Self as Symmetric<K>>::First;
-    type Second = <Self as Symmetric<K>>::Second;
+    type Basic = <Self as Symmetric<K>>::Basic;
+    type Adjoint = <Self as Symmetric<K>>::Adjoint;
+    type Part = <Self as Symmetric<K>>::Part;
     type Steps<W> = <Self as Symmetric<K>>::Steps<W>;
-    const NOTE: &'static str = <Self as Symmetric<K>>::NOTE;
-
-    fn step(weight: f64, into: &mut Vec<Substep>) {
-        <Self as Symmetric<K>>::step(weight, into);
-    }
-
-    fn splitting(sequence: &[Substep]) -> Vec<Substep> {
-        <Self as Symmetric<K>>::splitting(sequence)
-    }
+    const STEP: &'static [Weighted<Self::Part>] = <Self as Symmetric<K>>::STEP;
 }
 
 macro_rules! by_flows {
     ($($structure:ty),+) => {$(
         impl Symmetric<$structure> for Verlet {
-            type First = <Self as Symmetric>::First;
-            type Second = <Self as Symmetric>::Second;
+            type Basic = <Self as Symmetric>::Basic;
+            type Adjoint = <Self as Symmetric>::Adjoint;
+            type Part = Part;
             type Steps<W> = KickDrift<W>;
-            const NOTE: &'static str = "";
-
             /// Kick and drift in `DeltaPlus`, drift and kick in `DeltaMinus`.
-            fn step(weight: f64, into: &mut Vec<Substep>) {
-                let kick = (Half::Second, 0.5 * weight);
-                into.extend([kick, (Half::First, weight), kick]);
-            }
-
-            fn splitting(sequence: &[Substep]) -> Vec<Substep> {
-                sequence.to_vec()
-            }
+            const STEP: &'static [Weighted] = &[
+                Weighted { part: Part::B, weight: 0.5 },
+                Weighted { part: Part::A, weight: 1.0 },
+                Weighted { part: Part::B, weight: 0.5 },
+            ];
         }
     )+};
 }

@@ -2,18 +2,17 @@
 
 use std::ops::Range;
 
-use super::stages::{Act, Stage};
-use super::substeps::Half;
 use crate::algebra::memory::Threads;
 use crate::algebra::scalar::Number;
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::bath::OPartsByPlace;
 use crate::scheme::elements::{
     ElementInput, Elements, Flow, ForceArguments, KickForm, MOST_IN_ONE_TILE, Move, NewState, Partials, Sums,
-    TilePlan, Word, add_flow,
+    TileParts, TilePlan, add_flow,
 };
 use crate::scheme::gauss::Field;
 use crate::scheme::system::check_lengths;
+use crate::scheme::word::{Part, Substep, Word};
 
 /// Degrees of freedom from which paths of an ensemble are stepped one after the other: 16 paths in lanes
 /// exceed the first-level cache (each of some ten lists has 128 bytes for a degree of freedom). Measured for
@@ -81,7 +80,7 @@ impl TiledMemory {
     pub(crate) fn take_parts_in_tiles<'m, F: Field, const RELAXES: bool, const CARRIES: bool>(
         &'m mut self,
         system: &F,
-        stages: &[Stage<Act>],
+        word: &Word,
         givens: TiledInput<'_>,
         relaxing: Option<OPartsByPlace<'_>>,
     ) -> Result<NewState<'m>, StepFailure> {
@@ -89,22 +88,23 @@ impl TiledMemory {
         let degrees = q.len();
         debug_assert_eq!(relaxing.is_some(), RELAXES, "O parts have a bath");
         check_lengths(system, self.plan.degrees() == Some(degrees), [degrees, p.len(), dw.len()])?;
-        self.scale(stages, dw);
+        self.scale(word, dw);
         let Self { plan, scaled } = self;
         let reads_time = F::FORCE_READS_TIME;
-        let mut word =
-            TiledWord::<RELAXES, CARRIES> { t, h, stretch, stages, scaled, reads_time, lost, relaxing };
+        let substeps = &word.substeps[..];
+        let mut parts =
+            FlowsInTiles::<RELAXES, CARRIES> { t, h, stretch, substeps, scaled, reads_time, lost, relaxing };
         let missing = Err(StepFailure::Internal(StepPromise::Tiles));
-        system.take_tiles(&mut word, q, p, plan).unwrap_or(missing)
+        system.take_tiles(&mut parts, q, p, plan).unwrap_or(missing)
     }
 
-    fn scale(&mut self, stages: &[Stage<Act>], dw: &[f64]) {
+    fn scale(&mut self, word: &Word, dw: &[f64]) {
         if dw.is_empty() {
             return;
         }
-        for stage in stages {
-            if !self.scaled.iter().any(|scaled| scaled.share == stage.share) {
-                self.scaled.push(ScaledIncrements { share: stage.share, dw: Vec::new() });
+        for &Substep { share, .. } in &word.substeps {
+            if !self.scaled.iter().any(|scaled| scaled.share == share) {
+                self.scaled.push(ScaledIncrements { share, dw: Vec::new() });
             }
         }
         for ScaledIncrements { share, dw: scaled } in &mut self.scaled {
@@ -116,52 +116,52 @@ impl TiledMemory {
 
 /// The parts of a step: kicks, drifts and, if it `RELAXES`, O parts; with compensated sums if it `CARRIES`.
 #[derive(Clone, Copy)]
-struct TiledWord<'a, const RELAXES: bool, const CARRIES: bool> {
+struct FlowsInTiles<'a, const RELAXES: bool, const CARRIES: bool> {
     t: f64,
     h: f64,
     stretch: f64,
-    stages: &'a [Stage<Act>],
+    substeps: &'a [Substep],
     scaled: &'a [ScaledIncrements],
     reads_time: bool,
     lost: [&'a [f64]; 2],
     relaxing: Option<OPartsByPlace<'a>>,
 }
 
-impl<const RELAXES: bool, const CARRIES: bool> TiledWord<'_, RELAXES, CARRIES> {
+impl<const RELAXES: bool, const CARRIES: bool> FlowsInTiles<'_, RELAXES, CARRIES> {
     /// The flow of a kick or a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn flow(&self, number: usize) -> Flow<'_, f64> {
-        let &Stage { share, node, .. } = &self.stages[number];
+        let Substep { share, node, .. } = self.substeps[number];
         let dw = self.scaled.iter().find(|scaled| scaled.share == share).map_or(&[][..], |scaled| &scaled.dw);
         Flow { t: self.t + node * self.h, h: self.stretch * share * self.h, parameters: &[], dw }
     }
 }
 
-impl<const RELAXES: bool, const CARRIES: bool> Word for TiledWord<'_, RELAXES, CARRIES> {
+impl<const RELAXES: bool, const CARRIES: bool> TileParts for FlowsInTiles<'_, RELAXES, CARRIES> {
     const CHANGES: bool = RELAXES;
     const CARRIES: bool = CARRIES;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
-        self.stages.len()
+        self.substeps.len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kind(&self, number: usize) -> Move {
-        let stage = &self.stages[number];
-        match stage.act {
-            Act::Flow(Half::First) => Move::Drift,
-            Act::Relax(_) => Move::Momenta,
-            Act::RelaxBetween(_) => Move::State,
-            Act::Flow(Half::Second) | Act::Square(_) if stage.is_end => Move::Kick(KickForm::Plus),
-            Act::Flow(Half::Second) | Act::Square(_) => Move::Kick(KickForm::Terms),
+        let Substep { part, force, .. } = self.substeps[number];
+        match part {
+            Part::A => Move::Drift,
+            Part::O => Move::Momenta,
+            Part::AOA => Move::State,
+            Part::B | Part::GradientB(_) if force.is_at_end() => Move::Kick(KickForm::Plus),
+            Part::B | Part::GradientB(_) => Move::Kick(KickForm::Terms),
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn origin(&self, number: usize) -> Option<ForceArguments> {
         let Flow { t, h, dw, .. } = self.flow(number);
-        let is_kept = self.stages[number].is_end && dw.is_empty();
+        let is_kept = self.substeps[number].force.is_at_end() && dw.is_empty();
         is_kept.then(|| ForceArguments { t: self.reads_time.then_some(t), h })
     }
 
@@ -183,16 +183,18 @@ impl<const RELAXES: bool, const CARRIES: bool> Word for TiledWord<'_, RELAXES, C
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64], lost: &mut [f64]) {
-        if let (Act::Relax(part), Some(relaxing)) = (self.stages[number].act, &self.relaxing) {
-            relaxing.apply::<CARRIES>(part, places, None, p, lost);
+        if let (Substep { part: Part::O, number, .. }, Some(relaxing)) =
+            (self.substeps[number], &self.relaxing)
+        {
+            relaxing.apply::<CARRIES>(number, places, None, p, lost);
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_state(&self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
-        let &Stage { act, weight, .. } = &self.stages[number];
-        if let (Act::RelaxBetween(part), Some(relaxing)) = (act, &self.relaxing) {
-            relaxing.apply::<false>(part, places, Some((self.stretch * weight * self.h, q)), p, &mut []);
+        let Substep { part, weight, number, .. } = self.substeps[number];
+        if let (Part::AOA, Some(relaxing)) = (part, &self.relaxing) {
+            relaxing.apply::<false>(number, places, Some((self.stretch * weight * self.h, q)), p, &mut []);
         }
     }
 }

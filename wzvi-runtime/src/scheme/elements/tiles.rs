@@ -16,18 +16,18 @@
 mod check;
 mod explicit;
 mod layout;
+mod parts;
 mod rounds;
 mod sums;
 mod sweep;
 mod thread_tiles;
 mod wavefront;
-mod word;
 
 use std::ops::Range;
 
 pub(super) use explicit::takes_tiles;
+pub use parts::{Flow, ForceArguments, KickForm, Move, TileParts, take_tiles};
 pub(super) use sweep::TiledSweeps;
-pub use word::{Flow, ForceArguments, KickForm, Move, Word, take_tiles};
 
 use layout::{PlacementRecorder, Tiling};
 use rounds::{ThreadRounds, TiledStepInput, Wavefront};
@@ -146,7 +146,7 @@ impl Kernel for IsSame<'_> {
 }
 
 /// The moves of each round: a kick after a drift begins a new one.
-fn rounds(word: &impl Word) -> Vec<Range<usize>> {
+fn rounds(word: &impl TileParts) -> Vec<Range<usize>> {
     let (mut rounds, mut start, mut has_drifted) = (Vec::new(), 0, false);
     for number in 0..word.count() {
         match word.kind(number) {
@@ -166,7 +166,12 @@ impl TiledStep {
     /// Records the places that the elements of a system add to, each element once.
     #[cold]
     #[inline(never)]
-    fn new<H: Elements + Sync, W: Word>(system: &H, word: &W, [q, p]: [&[f64]; 2], threads: Threads) -> Self {
+    fn new<H: Elements + Sync, W: TileParts>(
+        system: &H,
+        word: &W,
+        [q, p]: [&[f64]; 2],
+        threads: Threads,
+    ) -> Self {
         let (degrees, recorder) = (q.len(), PlacementRecorder::default());
         for (state, wanted) in [(q, Partials::BY_COORDINATES), (p, Partials::BY_MOMENTA)] {
             let adds = |&number: &usize| match word.kind(number) {
@@ -216,7 +221,7 @@ impl TiledStep {
     }
 
     /// Whether the plan is for the parts of `word` and this number of degrees of freedom.
-    fn fits<W: Word>(&self, word: &W, degrees: usize) -> bool {
+    fn fits<W: TileParts>(&self, word: &W, degrees: usize) -> bool {
         let carries = !self.lost[0].is_empty();
         self.degrees() == degrees
             && carries == W::CARRIES
@@ -225,7 +230,7 @@ impl TiledStep {
 
     /// The index of the list with the new coordinates: only the last round may be without a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn last(&self, word: &impl Word) -> usize {
+    fn last(&self, word: &impl TileParts) -> usize {
         let drifts = |number| !matches!(word.kind(number), Move::Kick(_) | Move::Momenta);
         let last_drifts = self.rounds.last().is_some_and(|last| last.clone().any(drifts));
         (self.rounds.len() + usize::from(last_drifts)) % 2
@@ -233,7 +238,7 @@ impl TiledStep {
 
     /// Whether the first force of the step is the kept one.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn reuses(&mut self, word: &impl Word, q: &[f64]) -> bool {
+    fn reuses(&mut self, word: &impl TileParts, q: &[f64]) -> bool {
         let Some(known) = self.kept.origin.take() else { return false };
         let first = self.rounds[0].clone().find_map(|number| word.origin(number));
         first == Some(known) && self.instructions.run(IsSame(&self.kept.q, q))
@@ -255,7 +260,7 @@ impl TiledStep {
 
     /// Takes all rounds of a step; returns whether the new state is finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take_rounds<H: Elements + Sync, W: Word>(
+    fn take_rounds<H: Elements + Sync, W: TileParts>(
         &mut self,
         system: &H,
         word: W,
@@ -277,7 +282,12 @@ impl TiledStep {
     /// Fails if the state is not finite.
     #[cold]
     #[inline(never)]
-    fn take_exactly<H: Elements + Sync, W: Word>(&mut self, system: &H, word: W, state: [&[f64]; 2]) -> bool {
+    fn take_exactly<H: Elements + Sync, W: TileParts>(
+        &mut self,
+        system: &H,
+        word: W,
+        state: [&[f64]; 2],
+    ) -> bool {
         let (step, shares, rest, mut lists) = self.parts(state, false);
         shares.iter_mut().chain([rest]).all(|share| {
             let all = ThreadLists { first: 0, lists: lend(&mut lists) };
@@ -318,7 +328,7 @@ impl NewState<'_> {
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
 #[inline(never)]
-fn advance<'p, H: Elements + Sync, W: Word>(
+fn advance<'p, H: Elements + Sync, W: TileParts>(
     system: &H,
     word: W,
     state: [&[f64]; 2],

@@ -1,6 +1,6 @@
 //! The moves of a scheme with one quadrature point at a node.
 
-use super::{KickForm, LEAST_IN_TILES, Move, NewState, TilePlan, Word, advance};
+use super::{KickForm, LEAST_IN_TILES, Move, NewState, TileParts, TilePlan, advance};
 use crate::algebra::scalar::Number;
 use crate::error::StepFailure;
 use crate::scheme::elements::step::LoopStep;
@@ -73,7 +73,7 @@ impl<H: Elements> Clone for CompensatedWord<'_, H> {
 
 impl<H: Elements> Copy for CompensatedWord<'_, H> {}
 
-impl<H: Elements + Sync> Word for CompensatedWord<'_, H> {
+impl<H: Elements + Sync> TileParts for CompensatedWord<'_, H> {
     const ADDS_TERMS: bool = false;
     const CARRIES: bool = true;
 
@@ -104,7 +104,7 @@ impl<H: Elements + Sync> Word for CompensatedWord<'_, H> {
     }
 }
 
-impl<H: Elements + Sync> Word for LoopStep<'_, H, f64> {
+impl<H: Elements + Sync> TileParts for LoopStep<'_, H, f64> {
     const ADDS_TERMS: bool = false;
 
     /// Kick and drift. If the scheme kicks last, the first kick adds nothing and a kick follows the drift.

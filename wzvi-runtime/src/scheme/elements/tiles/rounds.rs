@@ -13,7 +13,7 @@ use super::layout::{Tile, Tiling};
 use super::sums::{OffsetSlice, OntoTile, TileSums};
 use super::thread_tiles::{ThreadLists, ThreadTiles};
 use super::wavefront::TileRound;
-use super::{Elements, KickForm, LINE, Move, Partials, Word};
+use super::{Elements, KickForm, LINE, Move, Partials, TileParts};
 use crate::algebra::lanes::instructions::Kernel;
 use crate::algebra::scalar::Number;
 
@@ -45,7 +45,7 @@ pub(super) struct Wavefront<'a, H, W, T, const WHOLE: bool> {
     numbers: PhantomData<fn() -> T>,
 }
 
-impl<'a, H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Wavefront<'a, H, W, T, WHOLE> {
+impl<'a, H: Elements + Sync, W: TileParts, T: Number<f64>, const WHOLE: bool> Wavefront<'a, H, W, T, WHOLE> {
     pub(super) fn new(
         step: TiledStepInput<'a>,
         system: &'a H,
@@ -60,7 +60,7 @@ impl<'a, H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Wavefro
 }
 
 /// The output is whether all new numbers are finite.
-impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel
+impl<H: Elements + Sync, W: TileParts, T: Number<f64>, const WHOLE: bool> Kernel
     for Wavefront<'_, H, W, T, WHOLE>
 {
     type Output = bool;
@@ -158,7 +158,7 @@ struct TileInRound<'t, H, W, const WHOLE: bool> {
     has_drifted: bool,
 }
 
-impl<H: Elements + Sync, W: Word, const WHOLE: bool> TileInRound<'_, H, W, WHOLE> {
+impl<H: Elements + Sync, W: TileParts, const WHOLE: bool> TileInRound<'_, H, W, WHOLE> {
     /// The range of its places in the part.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn own(&self) -> Range<usize> {

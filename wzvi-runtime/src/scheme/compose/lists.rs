@@ -1,8 +1,10 @@
-//! The parts of a step that are flows, and the scratch, sums and checks of all kinds of flows.
+//! The executor of words that moves lists: part after part, each for the whole state.
+//!
+//! [`ListParts`] says how a part moves lists, [`take_parts`] takes all parts of a step, with their sums and
+//! checks.
 
 use super::gradient::Directional;
 use super::lagrangian::SequenceEnd;
-use super::substeps::{Half, Substep};
 use super::tiled;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::memory::{MemoryRequest, StepMemory};
@@ -15,126 +17,7 @@ use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::{PairColumns, are_finite};
 use crate::scheme::system::{Hamiltonian, Segment, check_lengths};
-
-/// The parts of a step.
-#[derive(Clone, Debug)]
-pub(crate) struct StageList<A = Half>(pub(crate) Vec<Stage<A>>);
-
-/// A part of a step: the fraction `weight` of the flow of a whole step, at the fraction `node` of its time,
-/// which the flows of the other kind have reached.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Stage<A = Half> {
-    /// The action of the part.
-    pub(crate) act: A,
-    pub(crate) weight: f64,
-    /// The fraction of time and increments: `weight` for the flow of `T`, `-weight` for that of `V`.
-    pub(crate) share: f64,
-    pub(crate) node: f64,
-    /// Whether it is a kick that a step begins or ends with.
-    pub(crate) is_end: bool,
-    /// The force of a kick, if the next step begins with the last force of this one.
-    pub(crate) reuse: ForceReuse,
-}
-
-/// The force of a kick in words that begin and end with a kick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ForceReuse {
-    /// It is evaluated, and used once.
-    None,
-    /// It may be the last one of the step before.
-    FromStepBefore,
-    /// It may be the first one of the next step.
-    ForNextStep,
-}
-
-/// The action of a stage.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Act {
-    /// A drift, or a kick.
-    Flow(Half),
-    /// A kick with so much of the square of the force.
-    Square(f64),
-    /// Friction and noise of a bath: an O part, by its number.
-    Relax(usize),
-    /// An O part between two drifts of the same weight.
-    RelaxBetween(usize),
-}
-
-impl Act {
-    /// The flow, if it is a kick or a drift.
-    pub(crate) fn half(&self) -> Option<Half> {
-        match self {
-            Self::Flow(half) => Some(*half),
-            Self::Square(_) => Some(Half::Second),
-            Self::Relax(_) | Self::RelaxBetween(_) => None,
-        }
-    }
-}
-
-impl Stage {
-    pub(crate) const fn new(half: Half, weight: f64, node: f64) -> Self {
-        let share = if matches!(half, Half::First) { weight } else { -weight };
-        Self { act: half, weight, share, node, is_end: false, reuse: ForceReuse::None }
-    }
-}
-
-impl<A> Stage<A> {
-    /// This stage with another action.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) const fn with<B>(&self, act: B) -> Stage<B> {
-        let Self { weight, share, node, is_end, reuse, .. } = *self;
-        Stage { act, weight, share, node, is_end, reuse }
-    }
-}
-
-impl StageList {
-    /// Merges adjacent parts of the same kind.
-    pub(crate) fn of(substeps: &[Substep]) -> Self {
-        let mut stages: Vec<Stage> = Vec::new();
-        let [mut first, mut second] = [0.0; 2];
-        for &(half, weight) in substeps.iter().filter(|(_, weight)| *weight != 0.0) {
-            match stages.last_mut() {
-                Some(last) if last.act == half => *last = Stage::new(half, last.weight + weight, last.node),
-                _ => stages.push(Stage::new(half, weight, if half == Half::First { second } else { first })),
-            }
-            *if half == Half::First { &mut first } else { &mut second } += weight;
-        }
-        // Each kind sums to 1 up to rounding.
-        if let Some(last) = stages.last_mut() {
-            last.node = 1.0;
-        }
-        Self(stages)
-    }
-
-    /// Their flows; the gradient has a factor for the square of the force in each, if there is any.
-    pub(crate) fn flows(self, gradient: &[f64]) -> StageList<Act> {
-        let factors = gradient.iter().copied().chain(std::iter::repeat(0.0));
-        let flows = self.0.iter().zip(factors).map(|(stage, factor)| {
-            let squares = stage.act == Half::Second && factor != 0.0;
-            stage.with(if squares { Act::Square(factor) } else { Act::Flow(stage.act) })
-        });
-        StageList(flows.collect()).with_ends()
-    }
-}
-
-impl StageList<Act> {
-    /// Marks the first and the last flow if they are kicks; O parts before the first and after the last one
-    /// change momenta alone.
-    pub(crate) fn with_ends(mut self) -> Self {
-        let mut flows = self.0.iter_mut().filter(|stage| stage.act.half().is_some());
-        let mut ends = [flows.next(), flows.next_back()];
-        for end in ends.iter_mut().flatten() {
-            end.is_end = end.act.half() == Some(Half::Second);
-        }
-        if let [Some(first), Some(last)] = ends
-            && first.is_end
-            && last.is_end
-        {
-            (first.reuse, last.reuse) = (ForceReuse::FromStepBefore, ForceReuse::ForNextStep);
-        }
-        self
-    }
-}
+use crate::scheme::word::{Substep, Word};
 
 /// Lists of one number per degree of freedom.
 type DegreeList<S, H> = <H as Shape>::List<S>;
@@ -353,11 +236,11 @@ impl<S: Scalar, H: Shape> KeptForce<S, H> {
     }
 }
 
-/// The flows of the parts of a step, and the O parts if there are any.
+/// How the parts `P` of a word move lists.
 ///
 /// Not a closure: one that is called in several places is compiled without the vector instructions of its
 /// callers.
-pub(crate) trait StepParts<S: Scalar, H: Shape, A> {
+pub(crate) trait ListParts<S: Scalar, H: Shape, P> {
     /// Whether parts that are not `EXACT` may be NaN where the step exists.
     const IS_PARTIAL: bool = false;
 
@@ -371,7 +254,7 @@ pub(crate) trait StepParts<S: Scalar, H: Shape, A> {
     /// [`StepFailure::Bath`] where friction is negative.
     fn take_part<C: StateSum<S>, const EXACT: bool>(
         &mut self,
-        stage: &Stage<A>,
+        substep: &Substep<P>,
         lists: &mut SplittingLists<'_, S, H>,
         kept: &mut KeptForce<S, H>,
         scratch: &mut PartScratch<S>,
@@ -383,10 +266,10 @@ pub(crate) trait StepParts<S: Scalar, H: Shape, A> {
 /// # Errors
 /// [`StepFailure::NonFinite`], the failure of a part, or that of sizes that do not fit.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, A>(
+pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, P>(
     system: &impl Hamiltonian,
-    flows: &mut impl StepParts<S, H, A>,
-    stages: &[Stage<A>],
+    parts: &mut impl ListParts<S, H, P>,
+    word: &Word<P>,
     [q, p]: [&mut [S]; 2],
     dw: &[S],
     memory: &mut SplittingMemory<S, H>,
@@ -399,7 +282,7 @@ pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, A>(
         memory.fit(degrees, dw.len());
     }
     let instructions = memory.instructions;
-    let mut step = PartsInTurn { flows, stages, q, p, dw, memory, carry };
+    let mut step = PartsInTurn { parts, word, q, p, dw, memory, carry };
     // Numbers side by side are in such a loop already, and arrays stay in registers.
     if const { H::IS_FIXED || !S::MAY_BE_F64 } || S::as_f64s(step.q).is_none() {
         return step.take::<true>();
@@ -408,9 +291,9 @@ pub(crate) fn take_parts<S: Scalar, C: StateSum<S>, H: Shape, A>(
 }
 
 /// The parts of a step, and what they read and change.
-struct PartsInTurn<'a, S: Scalar, C, H: Shape, A, P> {
-    flows: &'a mut P,
-    stages: &'a [Stage<A>],
+struct PartsInTurn<'a, S: Scalar, C, H: Shape, P, M> {
+    parts: &'a mut M,
+    word: &'a Word<P>,
     q: &'a mut [S],
     p: &'a mut [S],
     dw: &'a [S],
@@ -419,8 +302,8 @@ struct PartsInTurn<'a, S: Scalar, C, H: Shape, A, P> {
 }
 
 /// The step in the vector instructions of the machine, and in numbers that vectorised functions cover.
-impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> Kernel
-    for &mut PartsInTurn<'_, S, C, H, A, P>
+impl<S: Scalar, C: StateSum<S>, H: Shape, P, M: ListParts<S, H, P>> Kernel
+    for &mut PartsInTurn<'_, S, C, H, P, M>
 {
     type Output = Result<Effort, StepFailure>;
 
@@ -430,15 +313,15 @@ impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> Kernel
     }
 }
 
-impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> PartsInTurn<'_, S, C, H, A, P> {
+impl<S: Scalar, C: StateSum<S>, H: Shape, P, M: ListParts<S, H, P>> PartsInTurn<'_, S, C, H, P, M> {
     /// The step in exact numbers, if `failure` may be of numbers that vectorised functions do not cover.
     #[cold]
     #[inline(never)]
     fn take_exactly(&mut self, failure: StepFailure) -> Result<Effort, StepFailure> {
-        if const { !P::IS_PARTIAL } || failure != StepFailure::NonFinite {
+        if const { !M::IS_PARTIAL } || failure != StepFailure::NonFinite {
             return Err(failure);
         }
-        self.flows.begin_again();
+        self.parts.begin_again();
         self.take::<true>()
     }
 
@@ -446,7 +329,7 @@ impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> PartsInTurn<
     /// stay in registers. All lists have the length of the state, which [`take_parts`] has checked.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const EXACT: bool>(&mut self) -> Result<Effort, StepFailure> {
-        let Self { flows, stages, q, p, dw, memory, carry } = self;
+        let Self { parts, word, q, p, dw, memory, carry } = self;
         let SplittingMemory { kept, first_p, rooms, scratch, .. } = &mut **memory;
         let is_at_kept = kept.begin(q);
         let (mut arrays, mut array_rooms) =
@@ -471,11 +354,11 @@ impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> PartsInTurn<
             }
         }
         let mut taken_all = Ok(());
-        for stage in *stages {
+        for substep in &word.substeps {
             for (scaled, dw) in scratch.dw.iter_mut().zip(*dw) {
-                *scaled = *dw * stage.share;
+                *scaled = *dw * substep.share;
             }
-            taken_all = flows.take_part::<C, EXACT>(stage, &mut lists, kept, scratch);
+            taken_all = parts.take_part::<C, EXACT>(substep, &mut lists, kept, scratch);
             if taken_all.is_err() {
                 break;
             }
@@ -505,12 +388,12 @@ impl<S: Scalar, C: StateSum<S>, H: Shape, A, P: StepParts<S, H, A>> PartsInTurn<
 
 /// The state to which the parts lead from the start of a segment, and the sum of their discrete Lagrangians.
 /// `action_of` gives that of one part from the states before and after it. `None` if a part fails.
-pub(crate) fn follow<V: Vector, H: Shape, A>(
-    flows: &mut impl StepParts<f64, H, A>,
-    stages: &[Stage<A>],
+pub(crate) fn follow<V: Vector, H: Shape, P>(
+    parts: &mut impl ListParts<f64, H, P>,
+    word: &Word<P>,
     segment: &Segment<V>,
     dw: &[f64],
-    action_of: impl Fn(&Stage<A>, [&[f64]; 2], [&[f64]; 2]) -> f64,
+    action_of: impl Fn(&Substep<P>, [&[f64]; 2], [&[f64]; 2]) -> f64,
 ) -> Option<SequenceEnd<V>> {
     let (q0, p0) = (segment.q0.components(), segment.p.components());
     let (mut q, mut p) = (q0.to_vec(), p0.to_vec());
@@ -519,13 +402,16 @@ pub(crate) fn follow<V: Vector, H: Shape, A>(
     let mut lists = SplittingLists { q: &mut q, p: &mut p, rooms: &mut rooms };
     let state = |lists: &SplittingLists<'_, f64, H>| [lists.q.to_vec(), lists.p.to_vec()];
     let mut action = 0.0;
-    for stage in stages {
-        scratch.dw = dw.iter().map(|dw| stage.share * dw).collect();
+    for substep in &word.substeps {
+        scratch.dw = dw.iter().map(|dw| substep.share * dw).collect();
         let before = state(&lists);
-        flows.take_part::<PlainSum, true>(stage, &mut lists, &mut kept, &mut scratch).ok()?;
+        parts.take_part::<PlainSum, true>(substep, &mut lists, &mut kept, &mut scratch).ok()?;
         let after = state(&lists);
-        action +=
-            action_of(stage, before.each_ref().map(|list| &list[..]), after.each_ref().map(|list| &list[..]));
+        action += action_of(
+            substep,
+            before.each_ref().map(|list| &list[..]),
+            after.each_ref().map(|list| &list[..]),
+        );
     }
     let [q, p] = state(&lists).map(|list| {
         let mut vector = V::zeros(list.len());

@@ -1,4 +1,4 @@
-//! Sequences of kicks, drifts, and moves of single sites.
+//! The executor of words that moves tiles: kicks, drifts, and moves of single sites.
 
 use std::ops::Range;
 
@@ -44,9 +44,9 @@ pub enum KickForm {
     Minus,
     /// `p + (0 - sum)`
     MinusFromZero,
-    /// `p + sum`, where [`Word::ADDS_TERMS`]
+    /// `p + sum`, where [`TileParts::ADDS_TERMS`]
     Plus,
-    /// `((p + term) + term) + ...`, where [`Word::ADDS_TERMS`]
+    /// `((p + term) + term) + ...`, where [`TileParts::ADDS_TERMS`]
     Terms,
 }
 
@@ -55,17 +55,17 @@ pub enum KickForm {
 pub enum Move {
     /// Adds forces to momenta.
     Kick(KickForm),
-    /// Adds velocities to coordinates: their sum, or term by term where [`Word::ADDS_TERMS`].
+    /// Adds velocities to coordinates: their sum, or term by term where [`TileParts::ADDS_TERMS`].
     Drift,
-    /// [`Word::change_momenta`]
+    /// [`TileParts::change_momenta`]
     Momenta,
-    /// [`Word::change_state`]
+    /// [`TileParts::change_state`]
     State,
 }
 
 /// The parts of a step, which move the state one after the other, on several threads at once: each has its
 /// own places.
-pub trait Word: Copy + Send + Sync {
+pub trait TileParts: Copy + Send + Sync {
     /// Whether derivatives have the sign with which they are added.
     const ADDS_TERMS: bool = true;
     /// Whether there are parts other than kicks and drifts, and possibly several drifts between two kicks.
@@ -121,7 +121,7 @@ pub trait Word: Copy + Send + Sync {
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub fn take_tiles<'p, H: Elements + Sync, W: Word>(
+pub fn take_tiles<'p, H: Elements + Sync, W: TileParts>(
     system: &H,
     word: &mut W,
     q: &[f64],
