@@ -20,6 +20,18 @@ pub fn of_state<V, F: Fn(V, V) -> f64>(_: F) {}
 /// A Hamiltonian that reads the time.
 pub fn of_time<V, F: Fn(V, V, f64) -> f64>(_: F) {}
 
+/// A constraint.
+pub fn of_coordinates<V, F: Fn(V) -> f64>(_: F) {}
+
+/// A constraint that reads the time.
+pub fn of_coordinates_and_time<V, F: Fn(V, f64) -> f64>(_: F) {}
+
+/// A family of constraints.
+pub fn constraint_family<V, F: Fn(V, usize) -> f64>(_: F) {}
+
+/// A family of constraints that reads the time.
+pub fn constraint_family_of_time<V, F: Fn(V, f64, usize) -> f64>(_: F) {}
+
 /// A family of noises.
 pub fn family<V, F: Fn(V, V, usize) -> f64>(_: F) {}
 

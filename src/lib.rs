@@ -200,7 +200,9 @@ pub use wzvi_runtime::plot;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::saving::table;
-pub use wzvi_runtime::scheme::{bath, compose, dense, elements, embedding, modified, plan, system};
+pub use wzvi_runtime::scheme::{
+    bath, compose, constraints, dense, elements, embedding, modified, plan, system,
+};
 pub use wzvi_runtime::trajectory::Error;
 pub use wzvi_runtime::trajectory::{
     chaos, checkpoint, recorded as trajectory, retry, section, series, simulate, step,
@@ -277,6 +279,7 @@ pub mod __private {
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::scheme::bath;
     pub use wzvi_runtime::scheme::compose;
+    pub use wzvi_runtime::scheme::constraints;
     pub use wzvi_runtime::scheme::elements;
     pub use wzvi_runtime::scheme::embedding;
     pub use wzvi_runtime::scheme::gauss;

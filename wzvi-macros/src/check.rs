@@ -8,7 +8,7 @@
 //! friction becomes a force. Syntax that is no Rust is refused by syn.
 
 use crate::diagnostics::{Diagnostics, Located, facts as messages};
-use crate::discretise::{Facts, Failure, Invariant, KnownSum};
+use crate::discretise::{ConstraintMistake, Facts, Failure, Invariant, KnownSum, NoiseOffManifold};
 use crate::embedding::{Correction, Embedding};
 use crate::model::System;
 use crate::symbolic::{Graph, Rational};
@@ -20,6 +20,7 @@ pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagno
     check_invariants(graph, facts, diagnostics);
     check_parts(system, facts, diagnostics);
     check_flows(system, facts, diagnostics);
+    check_constraints(system, facts, diagnostics);
 }
 
 /// A bare scheme must converge to the Stratonovich system, for which `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`
@@ -86,6 +87,49 @@ fn check_flows(system: &System, facts: &Facts, diagnostics: &mut Diagnostics) {
         let words = system.embeddings.iter().filter(|known| known.value.is_word());
         for Located { value, extent } in words {
             diagnostics.report(messages::word_without_flows(*extent, value, &system.converted_force()));
+        }
+    }
+}
+
+/// Constraints are functions of the coordinates with a manifold of their own, and only some schemes keep
+/// them.
+fn check_constraints(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
+    for Located { value, extent } in &system.embeddings {
+        match (value.keeps_constraints(), facts.constraints.is_empty()) {
+            (false, false) => diagnostics.report(messages::leaves_constraints(*extent, value)),
+            (true, true) => diagnostics.report(messages::keeps_no_constraints(*extent, value)),
+            _ => {}
+        }
+    }
+    if facts.constraints.is_empty() {
+        return;
+    }
+    if !facts.is_separable || !facts.kinetic.is_some_and(|kinetic| kinetic.is_diagonal) {
+        let extent = system.drift.extent;
+        diagnostics.report(messages::constraints_without_masses(extent, &system.converted_force()));
+    }
+    for constraint in &facts.constraints {
+        let extent = constraint.extent;
+        match constraint.mistake {
+            Some(ConstraintMistake::NoCoordinates) => {
+                diagnostics.report(messages::constraint_of_nothing(extent));
+            }
+            Some(ConstraintMistake::NoPoint) => {
+                diagnostics.report(messages::constraint_without_points(extent));
+            }
+            Some(ConstraintMistake::Affine) => diagnostics.report(messages::affine_constraint(extent)),
+            Some(ConstraintMistake::Multiple(other)) => {
+                let other = &facts.constraints[other];
+                diagnostics.report(messages::constraint_again(extent, &other.number));
+                diagnostics.report(messages::constraint_before(other.extent, &constraint.number));
+            }
+            None => {}
+        }
+        if let Some(NoiseOffManifold { number, bracket }) = &constraint.noise {
+            let bracket =
+                bracket.sum.as_ref().map(|sum| facts.space.display(&mut system.graph, sum, Rational::ONE));
+            let bracket = bracket.unwrap_or_default();
+            diagnostics.report(messages::noise_off_manifold(extent, &constraint.number, number, &bracket));
         }
     }
 }

@@ -47,6 +47,9 @@ impl MostAdded {
     const SOLVED: usize = 150;
 }
 
+/// The most constraints of a system in straight lines, whose matrices are arrays.
+const MOST_CONSTRAINTS: i128 = 6;
+
 /// The most placements of elements in a sketch. A system with more is not written out.
 const MOST_PLACEMENTS: usize = 4096;
 
@@ -83,6 +86,12 @@ impl Choice {
 /// Chooses the forms of the listed schemes.
 pub(crate) fn choose(system: &mut System, listed: &[Embedding]) -> Choice {
     let Some(sketch) = Sketch::of(system) else { return Choice::all(Form::Loops) };
+    if !system.constraints.is_empty() {
+        let constraints = system.constraint_offsets().last().and_then(Index::as_integer);
+        let are_few = constraints.is_some_and(|number| number <= MOST_CONSTRAINTS);
+        let is_straight = are_few && sketch.operations <= sketch.in_loops + MostAdded::EXPLICIT;
+        return Choice::all(if is_straight { Form::StraightLines } else { Form::Loops });
+    }
     let of = |is_straight: bool| if is_straight { Form::StraightLines } else { Form::Loops };
     let adds_at_most = |most: usize| sketch.operations <= sketch.in_loops + most;
     let takes_stages = listed.iter().any(|embedding| embedding.stages().is_some());

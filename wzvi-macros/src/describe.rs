@@ -1,6 +1,6 @@
 //! The texts of the schemes, composed from the texts of the schemes with one `P`.
 
-use crate::discretise::describe::{derivation, hamiltonians, properties, staged, sweep};
+use crate::discretise::describe::{constrained, derivation, hamiltonians, properties, staged, sweep};
 use crate::discretise::{Facts, Plans, SchemePlan, Step};
 use crate::embedding::{Embedding, LetterKind};
 use crate::model::{System, Temperature};
@@ -31,6 +31,10 @@ impl Texts {
         }
         for embedding in &plans.listed {
             let text = match embedding.substeps().as_slice() {
+                _ if embedding.keeps_constraints() => {
+                    let step = constrained::derivation(system, facts, embedding);
+                    whole(system, embedding, &step)
+                }
                 _ if embedding.is_thermostat() => {
                     let bath = thermostat(embedding, system.has_forces(), system.temperature.as_ref());
                     whole(system, embedding, &bath)

@@ -28,17 +28,23 @@ const SCHEMES: [(&str, &str); 9] = [
 const THERMOSTATS: [(&str, &str); 5] =
     [("Baoab", ""), ("Obabo", ""), ("Gjf", ""), ("GjI", ""), ("Thermostat", "<E>")];
 
+/// The schemes for systems with constraints.
+const CONSTRAINED: [(&str, &str); 2] = [("Rattle", ""), ("GBaoab", "")];
+
 /// The schemes as a list in a message.
 pub(crate) fn listed() -> String {
     let listed = |schemes: &[(&str, &str)]| quoted(schemes.iter().map(|(name, of)| format!("{name}{of}")));
     let [thermostats @ .., last] = THERMOSTATS;
     let (schemes, thermostats) = (listed(&SCHEMES), listed(&thermostats));
-    format!("{schemes}, and, with friction, {thermostats} and {}", listed(&[last]))
+    let [first, second] = CONSTRAINED.map(|scheme| listed(&[scheme]));
+    let last = listed(&[last]);
+    format!("{schemes}, with friction {thermostats} and {last}, and with constraints {first} and {second}")
 }
 
 /// The names of schemes, which are no types of the program.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    SCHEMES.into_iter().chain(THERMOSTATS).map(|(name, _)| name).chain(["Splitting"])
+    let all = SCHEMES.into_iter().chain(THERMOSTATS).chain(CONSTRAINED);
+    all.map(|(name, _)| name).chain(["Splitting"])
 }
 
 /// The scheme that a user means by an unknown word: what other texts call it, or what is spelled like it.
@@ -51,6 +57,8 @@ pub(crate) fn meant(word: &str) -> Option<&'static str> {
         "OBABO" => "Obabo",
         "GJF" => "Gjf",
         "GJI" => "GjI",
+        "RATTLE" | "SHAKE" | "Shake" => "Rattle",
+        "GBAOAB" | "gBAOAB" | "GeodesicBaoab" => "GBaoab",
         _ => return closest(word, names()),
     })
 }
@@ -78,6 +86,10 @@ pub(crate) enum Embedding {
     Corrected(Box<Embedding>),
     /// `Uncorrected<E>`; `E` is not wrapped.
     Uncorrected(Box<Embedding>),
+    /// `Verlet` on the manifold of constraints.
+    Rattle,
+    /// `Baoab` on the manifold of constraints.
+    GBaoab,
     /// Kicks, drifts and the flow of the bath in turn.
     Baoab,
     Obabo,
@@ -126,6 +138,8 @@ impl Embedding {
             | Self::Isolated(inner) => inner.points(),
             Self::Midpoint
             | Self::Verlet
+            | Self::Rattle
+            | Self::GBaoab
             | Self::Gauss(_)
             | Self::Baoab
             | Self::Obabo
@@ -149,7 +163,7 @@ impl Embedding {
             Self::Gauss(1) => vec![Self::Midpoint],
             Self::Isolated(inner) if **inner == Self::Verlet => inner.substeps(),
             Self::Isolated(inner) if inner.stages().is_some() => Vec::new(),
-            Self::Gauss(_) | Self::Thermostat(_) => Vec::new(),
+            Self::Gauss(_) | Self::Thermostat(_) | Self::Rattle | Self::GBaoab => Vec::new(),
             word if word.is_word() => Vec::new(),
             whole => vec![whole.clone()],
         }
@@ -195,7 +209,7 @@ impl Embedding {
 
     /// Whether friction is taken in by a flow of its own.
     pub(crate) fn is_thermostat(&self) -> bool {
-        self.is_word() || matches!(self, Self::Thermostat(_))
+        self.is_word() || matches!(self, Self::Thermostat(_) | Self::GBaoab)
     }
 
     /// Whether steps are made of the flows of `T(p)` and `V(q, t)`, where these are known.
@@ -204,6 +218,11 @@ impl Embedding {
             Self::Thermostat(inner) | Self::Isolated(inner) => inner.takes_flows(),
             _ => *self == Self::Verlet || self.is_word(),
         }
+    }
+
+    /// Whether its steps stay on the manifold of constraints.
+    pub(crate) fn keeps_constraints(&self) -> bool {
+        matches!(self, Self::Rattle | Self::GBaoab)
     }
 
     pub(crate) fn correction(&self) -> Correction {
@@ -225,11 +244,13 @@ enum Argument<'e> {
 
 impl Embedding {
     /// The schemes without arguments.
-    pub(crate) const PLAIN: [Self; 8] = [
+    pub(crate) const PLAIN: [Self; 10] = [
         Self::DeltaPlus,
         Self::Midpoint,
         Self::DeltaMinus,
         Self::Verlet,
+        Self::Rattle,
+        Self::GBaoab,
         Self::Baoab,
         Self::Obabo,
         Self::Gjf,

@@ -41,6 +41,8 @@ keys! {
     Calculus = "calculus",
     Embedding = "embedding",
     Invariant = "invariant",
+    /// A function of coordinates and time that is zero along every path.
+    Constraint = "constraint",
     /// The path of the facade.
     Crate = "crate",
 }

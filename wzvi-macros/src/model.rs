@@ -220,12 +220,19 @@ pub(crate) struct Temperature {
     pub(crate) reads_time: bool,
 }
 
-/// The members `0..count` of a family of noises; `variable` is the loop variable that counts them. It is the
+/// The members `0..count` of a family of noises or constraints; `variable` is the loop variable that counts them. It is the
 /// outermost loop of every element of the family.
 #[derive(Clone)]
 pub(crate) struct Family {
     pub(crate) variable: u32,
     pub(crate) count: Index,
+}
+
+/// A term, or a family of terms: a constraint `g(q, t) = 0`.
+#[derive(Clone)]
+pub(crate) struct FamilyTerm {
+    pub(crate) term: Term,
+    pub(crate) family: Option<Family>,
 }
 
 /// The form of code: with a variable for each degree of freedom, or with loops over elements.
@@ -278,6 +285,8 @@ pub(crate) struct System {
     pub(crate) invariants: Vec<Term>,
     /// The names of the first integrals; empty where there is none.
     pub(crate) invariant_names: Vec<String>,
+    /// In the order of their multipliers.
+    pub(crate) constraints: Vec<FamilyTerm>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
     /// The struct: attributes, visibility, name, generics and fields, to be emitted unchanged.
     pub(crate) item: syn::ItemStruct,
@@ -310,7 +319,9 @@ impl System {
         let noise = self.noise.iter().map(|noise| &noise.term);
         let bath = self.friction.iter().map(|friction| &friction.term);
         let bath = bath.chain(self.temperature.iter().map(|temperature| &temperature.term));
-        [&self.drift].into_iter().chain(noise).chain(&self.invariants).chain(&self.force).chain(bath)
+        let constraints = self.constraints.iter().map(|constraint| &constraint.term);
+        let all = [&self.drift].into_iter().chain(noise).chain(&self.invariants).chain(&self.force);
+        all.chain(bath).chain(constraints)
     }
 
     /// The elements of what moves the system, for derivatives: the drift, the force beside it, the noises.
@@ -351,16 +362,26 @@ impl System {
     /// For each noise the number of noises before it, members of families counted one by one; at last the
     /// number of all.
     pub(crate) fn noise_offsets(&self) -> Vec<Index> {
-        let mut offsets = vec![Index::default()];
-        let mut total = Index::default();
-        for noise in &self.noise {
-            let count = noise.family.as_ref().map_or(Index::integer(1), |family| family.count.clone());
-            let all = total.add(&count);
-            total = promised(all, "counts of noises beyond all integers are refused where they are lowered");
-            offsets.push(total.clone());
-        }
-        offsets
+        offsets(self.noise.iter().map(|noise| noise.family.as_ref()))
     }
+
+    /// For each constraint the number of constraints before it, and at last the number of all, likewise.
+    pub(crate) fn constraint_offsets(&self) -> Vec<Index> {
+        offsets(self.constraints.iter().map(|constraint| constraint.family.as_ref()))
+    }
+}
+
+/// For each term or family the number of members before it; at last the number of all.
+fn offsets<'f>(families: impl Iterator<Item = Option<&'f Family>>) -> Vec<Index> {
+    let mut offsets = vec![Index::default()];
+    let mut total = Index::default();
+    for family in families {
+        let count = family.map_or(Index::integer(1), |family| family.count.clone());
+        let all = total.add(&count);
+        total = promised(all, "counts of members beyond all integers are refused where they are lowered");
+        offsets.push(total.clone());
+    }
+    offsets
 }
 
 /// A [`System`] without loops whose degrees of freedom are variables of their own: every Hamiltonian as one

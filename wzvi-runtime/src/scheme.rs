@@ -2,6 +2,7 @@
 
 pub mod bath;
 pub mod compose;
+pub mod constraints;
 pub(crate) mod continuation;
 pub mod dense;
 pub mod elements;

@@ -39,8 +39,14 @@ messages! {
     temperature_without_friction(found) = "a temperature acts through friction: add `friction = ...` (1/time) or \
         `damping = [[...]]` (mass/time)";
     /// A scheme that cannot include friction and its noise, listed beside schemes that can.
-    friction_needs_thermostat(found, scheme: &impl Display, reason: &str) = "{reason}: write \
-        `Thermostat<{scheme}>`, or `Baoab`";
+    friction_needs_thermostat(found, scheme: &impl Display, reason: &str, keeps_constraints: bool) {
+        remedy = match keeps_constraints {
+            true => "`GBaoab`".to_owned(),
+            false => format!("`Thermostat<{scheme}>`, or `Baoab`"),
+        };
+    } = "{reason}: write {remedy}";
+    bath_on_manifold(found) = "`GBaoab` takes one rate of friction, `friction = gamma` (1/time), and one temperature: with others, friction \
+        and noise in the tangent plane have no closed form";
     friction_without_masses(found) = "friction needs masses: a kinetic energy that is a quadratic form of the \
         momenta with constant coefficients, as in `p * p / (2.0 * m)`; write friction of other momenta as a \
         force, as in `force = |q, p| -gamma * p`";
@@ -65,6 +71,22 @@ messages! {
     } = "`{scheme}` does not converge to this Stratonovich system as h -> 0, but to the one {finding}; write \
         `Corrected<{scheme}>` to add the counter-term, or `Uncorrected<{scheme}>` to keep the scheme as it is \
         (`Midpoint` is consistent with every noise)";
+    leaves_constraints(found, scheme: &impl Display) = "`{scheme}` would leave the manifold of the constraints; write \
+        `Rattle`, whose compositions `Composed<Rattle, Yoshida4>` and others have higher orders";
+    keeps_no_constraints(found, scheme: &impl Display) = "`{scheme}` is for systems with constraints: add `constraint = [|q| ...]`, or \
+        write `Verlet`, which it is without them";
+    constraints_without_masses(found, converted: &str) = "constraints need masses: a kinetic energy that is a sum of squares of the momenta \
+        with constant coefficients, as in `p * p / (2.0 * m)`, and no other term, force or friction that reads momenta{converted}; friction with \
+        one rate for all degrees of freedom, `friction = gamma`, is taken";
+    constraint_of_nothing(found) = "this constraint reads no coordinate: it holds at every state, or at none";
+    constraint_without_points(found) = "no state satisfies this constraint: it has one sign everywhere";
+    affine_constraint(found) = "this constraint is affine in the coordinates: it leaves a plane, which needs no multipliers; choose coordinates \
+        in the plane, as `x` alone where `y = 2.0 * x + 1.0`, with the kinetic energy of these";
+    constraint_again(found, other: &str) = "this constraint is a multiple of constraint g{other}, and adds nothing; leave one of them out";
+    constraint_before(found, other: &str) = "constraint g{other} is a multiple of this one";
+    noise_off_manifold(found, constraint: &str, noise: &str, bracket: &str) = "noise H{noise} moves the system off the manifold of this constraint: \
+        {{g{constraint}, H{noise}}} = {bracket} does not vanish, and a multiplier that grows as 1/√h would bring it back; take a noise \
+        that reads coordinates, or one whose flow keeps the constraint, as a rotation keeps a length";
     /// A declared first integral that changes, or may change, along the flow of the drift or of a noise. At
     /// the boundary of a branch and for a bath there is no `rate`.
     no_invariant(found, along: &str, rate: Option<&str>, knowledge: &Knowledge, graph: &Graph) {

@@ -63,8 +63,8 @@ messages! {
     not_a_path(found) = "expected the path of the crate `wzvi`, such as `crate = ::wzvi`";
     not_a_closure(found) = "expected a closure over coordinates and momenta, such as `|q, p| 0.5 * p * p`";
     async_closure(token) = "a Hamiltonian is a function of the state: it cannot be `async`";
-    family_in_list(tokens) = "a family of noises in a list has brackets of its own: `noise = \
-        [[|q, p, k| ...; N], |q, p| ...]`";
+    family_in_list(tokens) = "a family in a list has brackets of its own: `noise = \
+        [[|q, p, k| ...; N], |q, p| ...]`, `constraint = [[|q, k| ...; N], |q| ...]`";
     parts_of_drift(brackets) = "a drift is one Hamiltonian, or two parts: `drift = [|q, p| ..., \
         |q, p| ...]`";
     family_of_invariants(count) = "first integrals are listed one by one: `invariant = [|q, p| ..., |q, p| \
@@ -149,6 +149,12 @@ messages! {
         scheme, as in `embedding = Verlet`, and name the composition where it runs, `simulate::<Composed<Verlet, {scheme}>>(h)`";
     closure_arity(patterns, found: usize) { plural = if found == 1 { "" } else { "s" }; } = "a Hamiltonian takes \
         coordinates, momenta and, if it needs it, time; this takes {found} parameter{plural}: {PATTERNS}";
+    constraint_arity(patterns, found: usize) { plural = if found == 1 { "" } else { "s" }; } = "a constraint takes coordinates and, \
+        if it needs it, time; this takes {found} parameter{plural}: write `|q| ...` or `|q, t| ...`, and for a family `[|q, k| ...; N]`";
+    /// A nonholonomic constraint.
+    momenta_in_constraint(pattern) { name = source(&pattern); } = "a constraint is a function of the coordinates and the time, \
+        `|q| ...` or `|q, t| ...`: one that reads momenta is not holonomic, and motion under it follows from no Lagrangian; if `{name}` \
+        is the time, call it `t`; if it is the number of a member, write the family with its size, `constraint = [|q, {name}| ...; N]`";
     /// `|q, p, w|` in a system with noise.
     third_name(pattern) { name = source(&pattern); } = "the third parameter of a Hamiltonian is the time, and this system has noise: a \
         noise is a Hamiltonian of its own, as in `noise = |q, p| sigma * q`; a family has its number as parameter, `noise = [|q, p, k| \
@@ -198,6 +204,7 @@ fn synonym(name: &str) -> Option<Key> {
         "diffusion" | "stochastic" => Some(Key::Noise),
         "scheme" | "schemes" | "method" | "integrator" | "quadrature" => Some(Key::Embedding),
         "integral" | "first_integral" | "conserved" | "casimir" => Some(Key::Invariant),
+        "constraints" | "holonomic" | "rods" | "manifold" => Some(Key::Constraint),
         _ => None,
     }
 }

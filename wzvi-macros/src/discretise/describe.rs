@@ -9,6 +9,7 @@ macro_rules! say {
     }};
 }
 
+pub(crate) mod constrained;
 pub(crate) mod staged;
 pub(crate) mod sweep;
 
@@ -61,6 +62,17 @@ pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
             Some([only]) => say!(text, "  F{number} = {only}"),
             Some(components) => say!(text, "  F{number} = [{}]", components.join(", ")),
             None => say!(text, "  F{number} · δ{} = {}", names[0], value(graph, force)),
+        }
+    }
+    if !facts.constraints.is_empty() {
+        say!(text, "\nConstraints");
+        for constraint in &facts.constraints {
+            say!(
+                text,
+                "  0 = g{} = {}",
+                constraint.number,
+                facts.space.display(graph, &constraint.value, Rational::ONE)
+            );
         }
     }
     let collectives = facts.space.collectives();

@@ -2,6 +2,7 @@
 //! They are proven for sums of elements, at all sizes. Tests: `tests/steps/plan.rs`,
 //! `discretise/sums/tests.rs`.
 
+use self::constraints::Constraint;
 use self::flows::{Flows, is_nystrom};
 use self::forces::{Forces, commuting_forces};
 use self::form::{PreservedForm, coupled_degrees, has_constant_curvature};
@@ -15,6 +16,7 @@ use crate::embedding::{Correction, Embedding};
 use crate::model::{Atom, Element, Half, Index, Reads, System, Term};
 use crate::symbolic::{Graph, Knowledge, Rational, Symbol};
 
+pub(crate) mod constraints;
 pub(crate) mod flows;
 mod forces;
 mod form;
@@ -44,6 +46,13 @@ struct Hamiltonians {
     forces: Forces,
     /// The suffix of `H` for each noise.
     numbers: Vec<String>,
+    constraints: Vec<NumberedSum>,
+}
+
+/// A function with the suffix of its name.
+struct NumberedSum {
+    number: String,
+    sum: Sum,
 }
 
 /// Facts about one system, shared by all its schemes.
@@ -89,6 +98,7 @@ pub(crate) struct Facts {
     /// Whether there is more than one noise, or a family of them.
     pub(crate) has_several_noises: bool,
     pub(crate) invariants: Vec<Invariant>,
+    pub(crate) constraints: Vec<Constraint>,
     /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor
     /// increments.
     pub(crate) has_constant_curvature: bool,
@@ -122,7 +132,11 @@ impl Hamiltonians {
             noise: noise.split_off(hamiltonians),
             numbers: numbers.split_off(hamiltonians),
         };
-        Self { t: system.t, drift: unweighted(of(&system.drift)), noise, forces, numbers }
+        let constraints = constraints::constraints(system).into_iter();
+        let constraints =
+            constraints.map(|Constraint { number, value, .. }| NumberedSum { number, sum: value });
+        let constraints = constraints.collect();
+        Self { t: system.t, drift: unweighted(of(&system.drift)), noise, forces, numbers, constraints }
     }
 }
 
@@ -143,19 +157,20 @@ pub(crate) struct Energy {
     pub(crate) is_conserved: Knowledge,
     /// Whether jumps of `H_0` are the only known reason why it is not.
     pub(crate) only_jumps: bool,
-    /// Whether there is no noise, force or friction, and the drift does not read the time: then symplectic
-    /// steps keep a modified energy.
+    /// Whether there is no noise, force, friction or constraint, and the drift does not read the time: then
+    /// symplectic steps keep a modified energy, whose terms are known.
     pub(crate) is_conservative: bool,
 }
 
 impl Energy {
     /// The facts on the energy, and the boundaries of branches.
     fn of(sums: &mut Calculus<'_>, of: &Hamiltonians) -> (Self, Vec<Vec<Boundary>>) {
-        let Hamiltonians { drift, noise, forces, t, .. } = of;
+        let Hamiltonians { drift, noise, forces, constraints, t, .. } = of;
         let explicit = sums.partial(drift, *t);
         let explicit = sums.vanishes(Some(explicit), Increments::Each).known;
         let is_forced = !(forces.force.is_empty() && forces.friction.is_empty() && forces.noise.is_empty());
-        let is_conservative = noise.is_empty() && !is_forced && explicit.is_proven();
+        let is_free = constraints.is_empty();
+        let is_conservative = noise.is_empty() && !is_forced && is_free && explicit.is_proven();
         let powers = forces.powers(sums, drift);
         let rates = noise.iter().map(|one| {
             let rate = sums.bracket(one, drift);
@@ -170,7 +185,8 @@ impl Energy {
         let across = all(jumps);
         let only_jumps =
             matches!(across, Knowledge::Refuted(_)) && !matches!(on_pieces, Knowledge::Refuted(_));
-        let is_conserved = all([on_pieces, across]);
+        let at_rest = constraints::are_at_rest(sums, constraints, *t);
+        let is_conserved = all([on_pieces, across, at_rest]);
         let said =
             powers.into_iter().filter_map(|(said, power)| Some((said?, power.sum.unwrap_or_default())));
         // A vanishing rate is printed as zero, not as a difference of equal terms.
@@ -203,8 +219,11 @@ impl Facts {
         let counter_term = KnownSum { sum: counter_term.sum.filter(is_of_sites), ..counter_term };
         let (energy, boundaries) = Energy::of(sums, &hamiltonians);
         let class = noise_class(sums.graph, &noises);
+        let mut constraints = constraints::constraints(system);
+        let sums = &mut Calculus { space: &mut space, graph: &mut system.graph };
+        constraints::examine(sums, &hamiltonians, &mut constraints);
         let energy_form = match energy.is_conserved {
-            Knowledge::Proven => invariants::form_of(sums, &hamiltonians, drift),
+            Knowledge::Proven if constraints.is_empty() => invariants::form_of(sums, &hamiltonians, drift),
             _ => PreservedForm::NONE,
         };
         let has_several_noises = system.noise.len() > 1 || noise.iter().chain(&forces.noise).any(is_family);
@@ -246,6 +265,7 @@ impl Facts {
             has_weak_order_two,
             has_several_noises,
             invariants,
+            constraints,
             numbers: hamiltonians.numbers,
             drift: hamiltonians.drift,
             space,

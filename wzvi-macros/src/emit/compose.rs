@@ -28,7 +28,9 @@ pub(super) fn emit(item: &ItemStruct, plans: &Plans, texts: &Texts) -> TokenStre
     let mut generated = TokenStream::new();
     for embedding in &plans.listed {
         let steps = match (embedding, embedding.substeps().as_slice()) {
+            (Embedding::GBaoab, _) => quote!(__wzvi::embedding::GBaoab),
             (thermostat, _) if thermostat.is_thermostat() => self::thermostat(thermostat),
+            (Embedding::Rattle, _) => quote!(__wzvi::compose::WholeOf<Self, __wzvi::embedding::Rattle>),
             (_, []) => continue,
             (_, [whole]) if whole == embedding => continue,
             // `Gauss<1>` is a step of `Midpoint`.

@@ -37,6 +37,7 @@ pub(crate) struct Expansion {
 /// elements and steps.
 pub(crate) fn emit(system: &mut System, facts: &Facts, plans: &Plans, texts: &Texts) -> Expansion {
     let mut generated = terms::elements(system, facts, plans);
+    generated.extend(terms::constraints(system));
     let stepped = plans.stepped();
     let is_alone = stepped.len() == 1;
     for plan in stepped {

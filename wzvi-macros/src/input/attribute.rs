@@ -40,7 +40,7 @@ impl Declaration {
 
     /// Every closure over phase space, the drift first, those with numbers as values before covectors.
     pub(crate) fn in_order(&self) -> impl Iterator<Item = &Hamiltonian> {
-        [Key::Drift, Key::Noise, Key::Invariant, Key::Force, Key::NoiseForce]
+        [Key::Drift, Key::Noise, Key::Invariant, Key::Force, Key::NoiseForce, Key::Constraint]
             .into_iter()
             .flat_map(|key| self.of(key))
     }
@@ -66,7 +66,7 @@ pub(crate) struct Hamiltonian {
     pub(crate) closure: ExprClosure,
     /// The closure's tokens as they were written.
     pub(crate) tokens: TokenStream,
-    /// `[|q, p, k| ...; count]`: one noise per `k`, the closure's last parameter.
+    /// `[|q, p, k| ...; count]`: one noise or constraint per `k`, the closure's last parameter.
     pub(crate) family: Option<syn::Expr>,
     /// The name of a first integral, `[name = |q, p| ...]`.
     pub(crate) name: Option<Ident>,
@@ -135,7 +135,7 @@ fn read_entry(declaration: &mut Declaration, key: Key, entry: &Entry, diagnostic
             let only = |input: ParseStream<'_>| Ok(vec![hamiltonian(input)?]);
             declaration.closures.extend(entry.closures(key, only, diagnostics));
         }
-        Key::Noise | Key::NoiseForce | Key::Invariant => {
+        Key::Noise | Key::NoiseForce | Key::Invariant | Key::Constraint => {
             declaration.closures.extend(entry.closures(key, hamiltonian_list, diagnostics));
         }
         Key::Friction | Key::Damping if declaration.friction.is_some() => {

@@ -183,7 +183,7 @@ fn check_times(declaration: &Declaration, diagnostics: &mut Diagnostics) {
         return;
     }
     for closure in &declaration.closures {
-        if let Ok((_, _, Some(pattern))) = parameters(closure)
+        if let Ok(ClosureParameters { t: Some(pattern), .. }) = parameters(closure)
             && time(pattern).is_ok_and(|name| !is_usual_time(&name))
         {
             diagnostics.report(messages::third_name(pattern));
@@ -205,8 +205,9 @@ pub(crate) fn is_usual_time(name: &str) -> bool {
 
 /// The phase space of the drift.
 fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
-    let (q, p, t) = parameters(drift)?;
-    let ((q_shape, q_names), (p_shape, p_names)) = (bound(q)?, bound(p)?);
+    let ClosureParameters { q, p, t } = parameters(drift)?;
+    let (q_shape, q_names) = bound(q)?;
+    let (p_shape, p_names) = p.map_or(Ok((None, Bound::Whole(None))), bound)?;
     let shape = match (q_shape, p_shape) {
         (Some(q_shape), Some(p_shape)) if q_shape != p_shape => {
             return Err(messages::momenta_disagree(p, &q_shape, &p_shape));
@@ -244,9 +245,9 @@ fn peeled(mut pattern: &Pat) -> &Pat {
 
 /// Whether the patterns of another closure describe `expected`.
 fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
-    let (q, p, t) = parameters(closure)?;
+    let ClosureParameters { q, p, t } = parameters(closure)?;
     let expected = &known.shape;
-    for pattern in [q, p] {
+    for pattern in [q].into_iter().chain(p) {
         // One mention of an array is enough.
         if bare_name(pattern).is_some() {
             continue;
@@ -271,22 +272,39 @@ fn bare_name(pattern: &Pat) -> Option<&syn::Ident> {
     }
 }
 
-/// The patterns of coordinates, momenta and time; the index of a family comes after them.
-fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> {
+/// The patterns of a closure; the index of a family comes after them.
+struct ClosureParameters<'c> {
+    q: &'c Pat,
+    /// A constraint has none.
+    p: Option<&'c Pat>,
+    t: Option<&'c Pat>,
+}
+
+fn parameters(closure: &Hamiltonian) -> syn::Result<ClosureParameters<'_>> {
     let mut inputs: Vec<&Pat> = closure.closure.inputs.iter().collect();
     if closure.family.is_some() {
         inputs.pop();
     }
+    let (begin, all, end) =
+        (&closure.closure.inputs_begin, &closure.closure.inputs, &closure.closure.inputs_end);
+    let patterns = || quote! { #begin #all #end };
+    if closure.key == Key::Constraint {
+        return match *inputs.as_slice() {
+            [Pat::Tuple(tuple)] => Err(messages::tuple_phase_pattern(tuple, &tuple.elems)),
+            [q] => Ok(ClosureParameters { q, p: None, t: None }),
+            [q, t] if time(t).is_ok_and(|name| is_usual_time(&name)) => {
+                Ok(ClosureParameters { q, p: None, t: Some(t) })
+            }
+            [_, p] | [_, p, _] => Err(messages::momenta_in_constraint(p)),
+            _ => Err(messages::constraint_arity(patterns(), all.len())),
+        };
+    }
     match *inputs.as_slice() {
         [q, p] | [q, p, _] if are_swapped(q, p) => Err(messages::swapped_names(quote! { #q #p }, q, p)),
-        [q, p] => Ok((q, p, None)),
-        [q, p, t] => Ok((q, p, Some(t))),
+        [q, p] => Ok(ClosureParameters { q, p: Some(p), t: None }),
+        [q, p, t] => Ok(ClosureParameters { q, p: Some(p), t: Some(t) }),
         [Pat::Tuple(tuple)] => Err(messages::tuple_phase_pattern(tuple, &tuple.elems)),
-        _ => {
-            let (begin, end) = (&closure.closure.inputs_begin, &closure.closure.inputs_end);
-            let inputs = &closure.closure.inputs;
-            Err(messages::closure_arity(quote! { #begin #inputs #end }, inputs.len()))
-        }
+        _ => Err(messages::closure_arity(patterns(), all.len())),
     }
 }
 

@@ -34,7 +34,7 @@ use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shap
 use crate::key::Key;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
-use crate::model::{Collectives, Family, Form, Half, Noise, Slot, System, Term};
+use crate::model::{Collectives, Family, FamilyTerm, Form, Half, Noise, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Symbol, SymbolKind};
 
 use arrays::{Array, Origin};
@@ -89,6 +89,8 @@ pub(crate) fn lower(
     let friction = declaration.friction.as_ref().map(|given| interpreter.friction(given));
     let temperature = declaration.temperature.as_ref().map(|given| interpreter.temperature(given));
     let invariants = interpreter.terms(declaration.of(Key::Invariant));
+    let constraints: Vec<_> =
+        declaration.of(Key::Constraint).map(|constraint| interpreter.family(constraint)).collect();
 
     let Interpreter { mut graph, symbols, tables, parameters, space, naturals, untyped, .. } = interpreter;
     let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape, &untyped);
@@ -96,6 +98,7 @@ pub(crate) fn lower(
         .of(Key::Invariant)
         .map(|invariant| invariant.name.as_ref().map_or_else(String::new, |name| name.unraw().to_string()));
     let noise: Vec<Vec<Noise>> = noise.into_iter().collect::<Option<_>>()?;
+    let constraints: Vec<Vec<FamilyTerm>> = constraints.into_iter().collect::<Option<_>>()?;
     let parts = drift?;
     let (drift, parts) = match parts.as_slice() {
         _ if !phase_space.is_of_drift => return None,
@@ -130,6 +133,7 @@ pub(crate) fn lower(
         conversion: None,
         invariants: invariants?,
         invariant_names: invariant_names.collect(),
+        constraints: constraints.into_iter().flatten().collect(),
         embeddings: declaration.embeddings.into_iter().map(|(embedding, _)| embedding).collect(),
         item: container.item,
         crate_path: declaration.crate_path,
@@ -185,27 +189,32 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         }
     }
 
-    /// A noise, or a family of noises. Members that differ in more than a number become separate noises.
     fn noise(&mut self, noise: &'a Hamiltonian) -> Option<Vec<Noise>> {
         let is_force = noise.key.is_covector();
-        let Some(count) = &noise.family else {
-            let term = self.term(noise, None)?;
-            return Some(vec![Noise { term, family: None, is_force }]);
+        let terms = self.family(noise)?.into_iter();
+        Some(terms.map(|FamilyTerm { term, family }| Noise { term, family, is_force }).collect())
+    }
+
+    /// A term, or a family of them. Members that differ in more than a number become separate terms.
+    fn family(&mut self, closure: &'a Hamiltonian) -> Option<Vec<FamilyTerm>> {
+        let Some(count) = &closure.family else {
+            let term = self.term(closure, None)?;
+            return Some(vec![FamilyTerm { term, family: None }]);
         };
         let count = self.family_count(count)?;
         let variable = self.symbols.variable(0);
         let range = Loop { variable, start: Index::default(), end: count.clone() };
-        let term = self.term(noise, Some((Index::atom(Atom::Loop(variable)), Some(&range))));
+        let term = self.term(closure, Some((Index::atom(Atom::Loop(variable)), Some(&range))));
         if !self.is_unrolled(variable) {
-            return Some(vec![Noise { term: term?, family: Some(Family { variable, count }), is_force }]);
+            return Some(vec![FamilyTerm { term: term?, family: Some(Family { variable, count }) }]);
         }
         let count = count.as_integer()?;
         if count > MOST_MEMBERS {
-            return self.refuse(expressions::too_many_members(&noise.family, MOST_MEMBERS));
+            return self.refuse(expressions::too_many_members(&closure.family, MOST_MEMBERS));
         }
         let members = (0..count).map(|member| {
-            let term = self.term(noise, Some((Index::integer(member), None)))?;
-            Some(Noise { term, family: None, is_force })
+            let term = self.term(closure, Some((Index::integer(member), None)))?;
+            Some(FamilyTerm { term, family: None })
         });
         members.collect()
     }
@@ -249,7 +258,11 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     fn value(&mut self, hamiltonian: &'a Hamiltonian, member: Option<Member<'_>>) -> Option<Expr> {
         let closure = &hamiltonian.closure;
         let (q, p) = (self.vector(Half::Coordinates), self.vector(Half::Momenta));
-        let mut values = vec![q, p, Value::Real(self.graph.symbol(self.space.t))];
+        let t = Value::Real(self.graph.symbol(self.space.t));
+        let mut values = match hamiltonian.key {
+            Key::Constraint => vec![q, t],
+            _ => vec![q, p, t],
+        };
         let (number, range) = member.unzip();
         if let Some(number) = number {
             values.truncate(closure.inputs.len().saturating_sub(1));
@@ -269,7 +282,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         value
     }
 
-    /// The number of noises of a family: an integer expression of literals, constants, sizes and fields.
+    /// The number of members of a family: an integer expression of literals, constants, sizes and fields.
     fn family_count(&mut self, count: &'a Syntax) -> Option<Index> {
         self.start();
         let value = self.evaluate(count).known()?;

@@ -9,6 +9,7 @@ use syn::{Expr, ExprClosure, ExprRepeat, GenericParam, Generics, Member};
 
 use super::scope::context;
 use crate::input::{Container, Declaration, DeclaredValue, Field, FieldKind, Hamiltonian, Shape, peeled};
+use crate::key::Key;
 use crate::symbolic::NAMES;
 use crate::tokens::{self, words};
 
@@ -152,7 +153,12 @@ impl ClosureChecks<'_> {
     fn check(&self, system: &Container, hamiltonian: &Hamiltonian, rewritten: TokenStream) -> TokenStream {
         let fields = fields_in(system, &hamiltonian.tokens);
         let closure = with_our_self(rewritten);
+        let is_constraint = hamiltonian.key == Key::Constraint;
         let function = match (hamiltonian.closure.inputs.len(), &hamiltonian.family) {
+            (1, None) if is_constraint => quote!(of_coordinates),
+            (_, None) if is_constraint => quote!(of_coordinates_and_time),
+            (2, Some(_)) if is_constraint => quote!(constraint_family),
+            _ if is_constraint => quote!(constraint_family_of_time),
             (2, None) => quote!(of_state),
             (_, None) => quote!(of_time),
             (3, Some(_)) => quote!(family),

@@ -1,7 +1,7 @@
 //! Indices and slots for a reader.
 
 use super::index::{Atom, Index, IndexOperation};
-use super::{Half, Loop, Slot, System, Table};
+use super::{Family, Half, Loop, Slot, System, Table};
 use crate::diagnostics::promised;
 use crate::symbolic::signed;
 
@@ -102,10 +102,24 @@ impl System {
     /// The number of each noise as it is written behind `H`: `_k` for the members of a family, after the
     /// noises before it.
     pub(crate) fn noise_numbers(&self) -> Vec<String> {
+        self.numbers(self.noise.iter().map(|noise| noise.family.as_ref()), self.noise_offsets())
+    }
+
+    /// The number of each constraint as it is written behind `g`, likewise.
+    pub(crate) fn constraint_numbers(&self) -> Vec<String> {
+        let families = self.constraints.iter().map(|constraint| constraint.family.as_ref());
+        self.numbers(families, self.constraint_offsets())
+    }
+
+    fn numbers<'f>(
+        &self,
+        families: impl Iterator<Item = Option<&'f Family>>,
+        offsets: Vec<Index>,
+    ) -> Vec<String> {
         let names = IndexNames { tables: &self.tables, letter: &|_| "k" };
-        let numbers = self.noise.iter().zip(self.noise_offsets()).map(|(noise, offset)| {
-            let first = promised(offset.shifted(1), "numbers of noises are integers");
-            match (&noise.family, offset.as_integer()) {
+        let numbers = families.zip(offsets).map(|(family, offset)| {
+            let first = promised(offset.shifted(1), "numbers of members are integers");
+            match (family, offset.as_integer()) {
                 (None, Some(_)) => names.index(&first),
                 (None, None) => format!("_({})", names.index(&first)),
                 (Some(_), Some(0)) => "_k".to_owned(),

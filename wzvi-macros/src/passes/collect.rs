@@ -13,26 +13,29 @@
 
 use std::collections::HashMap;
 
-use super::unroll::{Unroller, unroller_and_terms};
+use super::unroll::{Terms, Unroller, unroller_and_terms};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::distinct::Distinct;
 use crate::model::symbols::IndexedSum;
 use crate::model::{
-    Atom, CollectiveRole, Element, Family, Half, Index, Loop, Noise, Reads, Slot, System, Term,
-    Variables as _,
+    Atom, CollectiveRole, Element, Family, Half, Index, Loop, Reads, Slot, System, Term, Variables as _,
 };
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// Makes the elements of every term; reports terms that are not sums of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
     let degrees = system.size.multiply(&Index::integer(system.components)).and_then(|all| all.as_integer());
-    let (mut writer, before, noise, after) = unroller_and_terms(system);
-    let singles = before.into_iter().chain(after).map(|term| (term, Vec::new()));
+    let (mut writer, Terms { drift, noise, constraints, others }) = unroller_and_terms(system);
+    let singles = drift.into_iter().chain(others).map(|term| (term, Vec::new()));
     let noise = noise.iter_mut().map(|noise| {
-        let loops = members(noise).into_iter().collect();
+        let loops = members(noise.family.as_ref()).into_iter().collect();
         (&mut noise.term, loops)
     });
-    for (term, loops) in singles.chain(noise) {
+    let constraints = constraints.iter_mut().map(|constraint| {
+        let loops = members(constraint.family.as_ref()).into_iter().collect();
+        (&mut constraint.term, loops)
+    });
+    for (term, loops) in singles.chain(noise).chain(constraints) {
         if writer.collect(term, &loops).is_none() {
             diagnostics.report(expressions::nonlinear_sum(term.extent));
         }
@@ -65,7 +68,7 @@ pub(crate) fn sketched(system: &mut System, most_written: i128) -> Option<[Vec<E
     let noise: Vec<(Expr, Vec<Loop>)> = system
         .noise
         .iter()
-        .map(|noise| (noise.term.expression, members(noise).into_iter().collect()))
+        .map(|noise| (noise.term.expression, members(noise.family.as_ref()).into_iter().collect()))
         .collect();
     let (mut writer, ..) = unroller_and_terms(system);
     (writer.collectives, writer.most_written) = (None, most_written);
@@ -79,9 +82,9 @@ pub(crate) fn sketched(system: &mut System, most_written: i128) -> Option<[Vec<E
     Some(elements)
 }
 
-/// The loop over the members of a family of noises.
-fn members(noise: &Noise) -> Option<Loop> {
-    let Family { variable, count } = noise.family.as_ref()?;
+/// The loop over the members of a family.
+fn members(family: Option<&Family>) -> Option<Loop> {
+    let Family { variable, count } = family?;
     Some(Loop { variable: *variable, start: Default::default(), end: count.clone() })
 }
 
@@ -318,14 +321,14 @@ impl Unroller<'_> {
         opened: &mut Opened,
     ) -> Vec<(Expr, Rational)> {
         // Terms that read the same part of the state, branch by branch.
-        let mut groups: Vec<(Reads, [Terms; 2])> = Vec::new();
+        let mut groups: Vec<(Reads, [SplitTerms; 2])> = Vec::new();
         for (side, branch) in branches.into_iter().enumerate() {
             for term in self.split(branch, opened) {
                 let reads = self.reads(term.0);
                 match groups.iter_mut().find(|(known, _)| *known == reads) {
                     Some((_, sides)) => sides[side].push(term),
                     None => {
-                        let mut sides: [Terms; 2] = Default::default();
+                        let mut sides: [SplitTerms; 2] = Default::default();
                         sides[side].push(term);
                         groups.push((reads, sides));
                     }
@@ -366,7 +369,7 @@ impl Unroller<'_> {
 }
 
 /// Terms with their coefficients.
-type Terms = Vec<(Expr, Rational)>;
+type SplitTerms = Vec<(Expr, Rational)>;
 
 /// The reads of a number that does not depend on the state.
 const NOTHING: Reads = Reads { q: false, p: false };

@@ -78,9 +78,8 @@ pub(crate) fn divisors(system: &mut System) {
         }
     }
     symbols.rebuild_sums(graph);
-    let (writer, before, noise, after) = unroller_and_terms(system);
-    let noise = noise.iter_mut().map(|noise| &mut noise.term);
-    for term in before.into_iter().chain(noise).chain(after) {
+    let (writer, terms) = unroller_and_terms(system);
+    for term in terms.all() {
         term.expression = writer.graph.rebuilt(term.expression);
     }
 }

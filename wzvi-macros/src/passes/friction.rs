@@ -10,6 +10,7 @@
 
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::{Calculus, Increments, Kinetic, Space, Weighted, unweighted};
+use crate::embedding::Embedding;
 use crate::model::{Element, Friction, Half, Local, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
@@ -45,7 +46,19 @@ fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics
             None => "friction is a part of its own in the thermostats that are listed",
         };
         for known in system.embeddings.iter().filter(|known| !known.value.is_thermostat()) {
-            diagnostics.report(messages::friction_needs_thermostat(known.extent, &known.value, reason));
+            let keeps_constraints = known.value.keeps_constraints();
+            diagnostics.report(messages::friction_needs_thermostat(
+                known.extent,
+                &known.value,
+                reason,
+                keeps_constraints,
+            ));
+        }
+    }
+    let has_list = system.temperature.as_ref().is_some_and(|known| known.is_list);
+    if has_list || friction.is_matrix || !friction.is_one_rate || friction.is_per_place() {
+        for known in system.embeddings.iter().filter(|known| known.value == Embedding::GBaoab) {
+            diagnostics.report(messages::bath_on_manifold(known.extent));
         }
     }
     let extent = friction.term.extent;

@@ -15,7 +15,7 @@ use quote::quote;
 use crate::indices::Indices;
 use crate::model::symbols::{IndexedSum, Symbols};
 use crate::model::{
-    CollectiveSlot, Collectives, Family, Form, Index, Local, Loop, Noise, Parameter, Phase, Slot,
+    CollectiveSlot, Collectives, Family, FamilyTerm, Form, Index, Local, Loop, Noise, Parameter, Phase, Slot,
     StraightLine, System, Table, Term,
 };
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
@@ -54,18 +54,34 @@ pub(crate) fn unroll(system: &mut System) {
         return;
     }
     system.form = Form::Loops;
-    let (mut writer, before, noise, after) = unroller_and_terms(system);
-    let noise = noise.iter_mut().map(|noise| &mut noise.term);
-    for term in before.into_iter().chain(noise).chain(after) {
+    let (mut writer, terms) = unroller_and_terms(system);
+    for term in terms.all() {
         writer.spent = 0;
         term.expression = writer.without_short_sums(term.expression, OUTERMOST);
     }
 }
 
-/// An unroller, and the terms that it works on: those before the noises, the noises, and those after them.
-pub(super) fn unroller_and_terms(
-    system: &mut System,
-) -> (Unroller<'_>, Vec<&mut Term>, &mut Vec<Noise>, Vec<&mut Term>) {
+/// The terms of a system.
+pub(super) struct Terms<'s> {
+    /// The drift and its parts.
+    pub(super) drift: Vec<&'s mut Term>,
+    pub(super) noise: &'s mut Vec<Noise>,
+    pub(super) constraints: &'s mut Vec<FamilyTerm>,
+    /// First integrals, force, friction, temperature.
+    pub(super) others: Vec<&'s mut Term>,
+}
+
+impl<'s> Terms<'s> {
+    /// All terms, one after the other.
+    pub(super) fn all(self) -> impl Iterator<Item = &'s mut Term> {
+        let noise = self.noise.iter_mut().map(|noise| &mut noise.term);
+        let constraints = self.constraints.iter_mut().map(|constraint| &mut constraint.term);
+        self.drift.into_iter().chain(noise).chain(constraints).chain(self.others)
+    }
+}
+
+/// An unroller, and the terms that it works on.
+pub(super) fn unroller_and_terms(system: &mut System) -> (Unroller<'_>, Terms<'_>) {
     let System {
         graph,
         symbols,
@@ -79,43 +95,36 @@ pub(super) fn unroller_and_terms(
         friction,
         temperature,
         invariants,
+        constraints,
         ..
     } = system;
     let friction = friction.iter_mut().map(|friction| &mut friction.term);
     let temperature = temperature.iter_mut().map(|temperature| &mut temperature.term);
-    let after = invariants.iter_mut().chain(force).chain(friction).chain(temperature);
+    let others = invariants.iter_mut().chain(force).chain(friction).chain(temperature);
+    let drift = [drift].into_iter().chain(summands);
     (
         Unroller { collectives: Some(collectives), ..Unroller::new(graph, symbols, *t, tables) },
-        [drift].into_iter().chain(summands).collect(),
-        noise,
-        after.collect(),
+        Terms { drift: drift.collect(), noise, constraints, others: others.collect() },
     )
 }
 
 /// Unrolls every loop and family; `false`, without changes, if that is impossible.
 fn unroll_all(system: &mut System) -> bool {
-    let (mut writer, before, noise, after) = unroller_and_terms(system);
-    let Some(first) = writer.expressions(&before) else { return false };
-    let mut members = Vec::with_capacity(noise.len());
+    let (mut writer, Terms { drift, noise, constraints, others }) = unroller_and_terms(system);
+    let singles: Vec<&mut Term> = drift.into_iter().chain(others).collect();
+    let Some(written) = writer.expressions(&singles) else { return false };
+    let mut noises = Vec::with_capacity(noise.len());
     for Noise { term, family, is_force } in &*noise {
-        let range = match family {
-            None => 0..1,
-            Some(Family { count, .. }) => match count.as_integer() {
-                Some(count) if count <= OPERATIONS as i128 => 0..count,
-                _ => return false,
-            },
-        };
-        writer.spent = 0;
-        for member in range {
-            let values = family.iter().map(|family| (family.variable, member)).collect();
-            let Some(expression) = writer.at(term.expression, &values) else { return false };
-            let term = Term { expression, ..term.clone() };
-            members.push(Noise { term, family: None, is_force: *is_force });
-        }
+        let Some(members) = writer.members(term, family.as_ref()) else { return false };
+        noises.extend(members.into_iter().map(|term| Noise { term, family: None, is_force: *is_force }));
     }
-    let Some(last) = writer.expressions(&after) else { return false };
-    *noise = members;
-    for (term, expression) in before.into_iter().chain(after).zip([first, last].concat()) {
+    let mut constraining = Vec::with_capacity(constraints.len());
+    for FamilyTerm { term, family } in &*constraints {
+        let Some(members) = writer.members(term, family.as_ref()) else { return false };
+        constraining.extend(members.into_iter().map(|term| FamilyTerm { term, family: None }));
+    }
+    (*noise, *constraints) = (noises, constraining);
+    for (term, expression) in singles.into_iter().zip(written) {
         term.expression = expression;
     }
     true
@@ -146,6 +155,23 @@ impl<'a> Unroller<'a> {
             self.at(term.expression, &BTreeMap::new())
         });
         written.collect()
+    }
+
+    /// The members of a family, or the one term, with every loop unrolled.
+    fn members(&mut self, term: &Term, family: Option<&Family>) -> Option<Vec<Term>> {
+        let range = match family {
+            None => 0..1,
+            Some(Family { count, .. }) => {
+                0..count.as_integer().filter(|&count| count <= OPERATIONS as i128)?
+            }
+        };
+        self.spent = 0;
+        let members = range.map(|member| {
+            let values = family.iter().map(|family| (family.variable, member)).collect();
+            let expression = self.at(term.expression, &values)?;
+            Some(Term { expression, ..term.clone() })
+        });
+        members.collect()
     }
 
     /// `expr` with short sums unrolled, and short ones in the bodies of the others, too.

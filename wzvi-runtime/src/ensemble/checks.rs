@@ -87,6 +87,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
             setup.span.start.set("start", SOME, first);
         }
         let own_systems = more.systems.checked("a path has one system")?;
+        let is_projected = setup.span.is_projected;
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
         let steps = grid.steps;
         let listed =
@@ -175,7 +176,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
                 go_in_lanes: grid.from(0).all(|(_, size)| go_in_lanes::<H, E>(&systems, size)),
                 own: systems,
             },
-            starts: PathStarts { first: start, own: starts, seed },
+            starts: PathStarts { first: start, own: starts, seed, is_projected },
             grid,
             source,
             paths,

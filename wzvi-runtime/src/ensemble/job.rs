@@ -17,7 +17,7 @@ use crate::trajectory::options::{Observable, OwnObservable};
 use crate::trajectory::recording::RecordedTime;
 use crate::trajectory::retry::Retry;
 use crate::trajectory::section::Sections;
-use crate::trajectory::span::{MOST_STEPS, NodeGrid};
+use crate::trajectory::span::{MOST_STEPS, NodeGrid, projected};
 use crate::trajectory::step::{Stepper, prepared};
 
 /// A run of paths that are known by their numbers.
@@ -75,6 +75,8 @@ pub(super) struct PathStarts<'a, V> {
     pub(super) own: Option<ByPath<'a, State<V>>>,
     /// The seed of those that are drawn.
     pub(super) seed: u64,
+    /// Whether they are projected on the manifold of the constraints from any distance.
+    pub(super) is_projected: bool,
 }
 
 /// The constants of the steps of a system.
@@ -237,11 +239,17 @@ impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
     /// # Errors
     /// If it is none.
     pub(super) fn start_of(&self, path: u64) -> Result<State<H::Vector>, ConfigError> {
-        let PathStarts { first, own, seed } = &self.starts;
-        let Some(own) = own else { return Ok(first.clone()) };
-        let start = own.of(DrawPurpose::Start, *seed, path).ok_or(ConfigError::Missing(STARTS))?;
-        starts::check(self.systems.of(path), &start, path, (self.degrees(), first.t))?;
-        Ok(start)
+        let PathStarts { first, own, seed, is_projected } = &self.starts;
+        let start = match own {
+            // The common system has projected it.
+            None if self.systems.own.is_empty() => return Ok(first.clone()),
+            None => first.clone(),
+            Some(own) => own.of(DrawPurpose::Start, *seed, path).ok_or(ConfigError::Missing(STARTS))?,
+        };
+        let system = self.systems.of(path);
+        starts::check(system, &start, path, (self.degrees(), first.t))?;
+        let projected = projected(system, start, *is_projected);
+        projected.map_err(|cause| ConfigError::PathStart { path, cause })
     }
 
     /// The same paths on the next level of a multilevel run: in steps half as long, and with normals of their
@@ -250,7 +258,7 @@ impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
     /// # Errors
     /// Where there are more steps than can be counted, and those of a system that cannot be prepared.
     pub(super) fn finer(&self) -> Result<Self, Error> {
-        let PathStarts { first: start, seed, .. } = &self.starts;
+        let PathStarts { first: start, seed, is_projected, .. } = &self.starts;
         let (level, h, steps) = (self.level + 1, 0.5 * self.grid.h, 2 * self.grid.steps);
         if steps > MOST_STEPS {
             return Err(ConfigError::End { start: start.t, end: self.grid.time(self.grid.steps), h }.into());
@@ -262,7 +270,7 @@ impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
         let system = self.systems.common;
         Ok(Self {
             systems: PathSystems { common: system, own: Vec::new(), go_in_lanes: true },
-            starts: PathStarts { first: start.clone(), own: None, seed: *seed },
+            starts: PathStarts { first: start.clone(), own: None, seed: *seed, is_projected: *is_projected },
             prepared: PreparedSteps { whole: prepared(system, h)?, last: None },
             grid: NodeGrid::of(start.t, h, steps),
             source: source.prepared(NormalSettings::default(), &H::PLAN, first, (self.processes(), steps))?,

@@ -53,6 +53,29 @@ pub enum StepFailure {
         /// The largest number that is factored.
         most: usize,
     },
+    /// No step of this size ends on the manifold of the constraints: the way along the tangent is long against
+    /// the radius of curvature. On a sphere there is no end beyond the radius.
+    BeyondCurvature {
+        /// The number of the constraint, from 0.
+        constraint: usize,
+        /// The way `h |v|` of the coordinates that it reads, in their units.
+        length: f64,
+        /// The radius of curvature along this way, likewise.
+        radius: f64,
+    },
+    /// A constraint follows from the others at the state: its gradient is a combination of theirs.
+    Dependent {
+        /// The number of the constraint, from 0.
+        constraint: usize,
+    },
+    /// The state is not on the manifold of the constraints.
+    OffManifold {
+        /// The distance of the coordinates, and that of the momenta:
+        /// [`Distance`](crate::scheme::constraints::Distance).
+        coordinates: f64,
+        /// Of the momenta.
+        momenta: f64,
+    },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
     /// The new state is not finite, and neither is a parameter of the system, the probable cause.
@@ -98,6 +121,8 @@ impl StepFailure {
                 | Self::Index(_)
                 | Self::Bath(_)
                 | Self::Internal(_)
+                | Self::Dependent { .. }
+                | Self::OffManifold { .. }
         )
     }
 }
@@ -130,6 +155,15 @@ messages! { StepFailure:
     Self::TooManyUnknowns { unknowns, most } =>
         "sweeps over the stages do not contract, and Newton's method would have to factor {unknowns} unknowns, more than {most}; \
          take a smaller step";
+    Self::BeyondCurvature { constraint, length, radius } =>
+        "no end of the step is on the manifold of constraint g{}: the way h |v| = {length:.3e} is long against its radius of curvature \
+         {radius:.3e}; take a smaller step, or subdivide with `.retry(Retry::halving(n))`", constraint + 1;
+    Self::Dependent { constraint } =>
+        "constraint g{} follows from the others at this state: its gradient is a combination of theirs; leave it out, or start elsewhere",
+        constraint + 1;
+    Self::OffManifold { coordinates, momenta } =>
+        "the state is not on the manifold of the constraints: its coordinates are off by {coordinates:.1e} and its momenta by {momenta:.1e} of \
+         the terms of a constraint; give one that is, or add `.project_start()`";
     Self::NonFinite => "the new state is not finite; take a smaller step or check the domain of H";
     Self::Infinite { parameter } =>
         "the new state is not finite, and the parameter `{parameter}` of the system is infinite; give it a finite value, or take a smaller \

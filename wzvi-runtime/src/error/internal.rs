@@ -34,10 +34,21 @@ pub enum StepPromise {
     PlainConstants,
     /// Friction and noise of a bath are parts of steps with a bath.
     Bath,
+    /// A step with constraints has room for each of its drifts.
+    ConstraintRoom,
+    /// Words on a manifold have drifts, kicks, and friction and noise.
+    ConstraintParts,
 }
 
 impl StepPromise {
-    pub(super) const ALL: [Self; 4] = [Self::Tiles, Self::ListedRates, Self::PlainConstants, Self::Bath];
+    pub(super) const ALL: [Self; 6] = [
+        Self::Tiles,
+        Self::ListedRates,
+        Self::PlainConstants,
+        Self::Bath,
+        Self::ConstraintRoom,
+        Self::ConstraintParts,
+    ];
 }
 
 messages! { StepPromise:
@@ -45,6 +56,8 @@ messages! { StepPromise:
     Self::ListedRates => "friction and noise are taken together with drifts only where rates and masses are lists";
     Self::PlainConstants => "the constants of a step have derivatives only where its scheme takes them along";
     Self::Bath => "friction and noise of a bath are parts of steps with a bath";
+    Self::ConstraintRoom => "a step with constraints has room for each of its drifts";
+    Self::ConstraintParts => "words on a manifold have drifts, kicks, and friction and noise";
 }
 
 messages! { InternalError:

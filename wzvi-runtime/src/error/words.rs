@@ -15,6 +15,10 @@ const INTERNAL: u64 = LANES - 3;
 const INFINITE: u64 = LANES - 4;
 const UNDECIDED: u64 = LANES - 5;
 const UNDEFINED: u64 = LANES - 6;
+const OFF_MANIFOLD: u64 = LANES - 7;
+const DEPENDENT: u64 = LANES - 8;
+/// Words before these, for the radius of curvature of each constraint.
+const BEYOND: u64 = LANES - (1 << 32);
 
 numbers! { impl[] Numbers for StepError { kept: step, t, h, cause } }
 
@@ -41,6 +45,13 @@ impl StepFailure {
                 [which, energy_error.to_bits(), scale.to_bits()]
             }
             Self::UndefinedEnergy => [UNDEFINED, 0, 0],
+            Self::BeyondCurvature { constraint, length, radius } => {
+                [BEYOND - constraint as u64, length.to_bits(), radius.to_bits()]
+            }
+            Self::Dependent { constraint } => [DEPENDENT, constraint as u64, 0],
+            Self::OffManifold { coordinates, momenta } => {
+                [OFF_MANIFOLD, coordinates.to_bits(), momenta.to_bits()]
+            }
             Self::NonFinite => [4, 0, 0],
             // Here the name is lost.
             Self::Infinite { .. } => [INFINITE, 0, 0],
@@ -69,6 +80,11 @@ impl StepFailure {
             3 => Self::Unresolved { energy_error: x, scale: y, may_jump: false },
             UNDECIDED => Self::Unresolved { energy_error: x, scale: y, may_jump: true },
             UNDEFINED => Self::UndefinedEnergy,
+            OFF_MANIFOLD => Self::OffManifold { coordinates: x, momenta: y },
+            DEPENDENT => Self::Dependent { constraint: usize::try_from(a).ok()? },
+            which if which <= BEYOND && which > BEYOND - (1 << 32) => {
+                Self::BeyondCurvature { constraint: (BEYOND - which) as usize, length: x, radius: y }
+            }
             4 => Self::NonFinite,
             LANES if a != 0 => Self::Lanes(FailedLanes(a)),
             5 => Self::Increments { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
@@ -103,6 +119,10 @@ mod tests {
             StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0, may_jump: false },
             StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0, may_jump: true },
             StepFailure::UndefinedEnergy,
+            StepFailure::OffManifold { coordinates: 0.1, momenta: 0.2 },
+            StepFailure::Dependent { constraint: 7 },
+            StepFailure::BeyondCurvature { constraint: 0, length: 2.0, radius: 1.0 },
+            StepFailure::BeyondCurvature { constraint: 10_000, length: 2.0, radius: 1.0 },
             StepFailure::OtherSolution { apart: 0.4 },
             StepFailure::TooManyUnknowns { unknowns: 2000, most: 1500 },
             StepFailure::Internal(StepPromise::ListedRates),

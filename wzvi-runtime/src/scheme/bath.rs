@@ -50,6 +50,7 @@
 mod diagonal;
 mod law;
 mod letters;
+mod manifold;
 mod matrix;
 mod modes;
 mod part;
@@ -109,6 +110,14 @@ pub struct Gjf;
 /// with [`systems`](crate::ensemble::Ensemble::systems) use one stepper per path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GjI;
+
+/// [`Baoab`] on the manifold of [constraints](crate::scheme::constraints), with one rate of friction for all
+/// degrees of freedom: half a kick, half a drift, friction and noise, half a drift, half a kick, where each
+/// part ends on the manifold with momenta that are tangent. It samples `e^{-H/kT}` on the manifold with a bias
+/// of order 2. A step from a normal that is larger than the radius of curvature allows has no end, and fails:
+/// its steps are shorter than those of a system without constraints.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GBaoab;
 
 /// Friction and noise of half the step, a step of `E` without them, friction and noise of the other half. Its
 /// sampling error is that of the energy in `E`: `Thermostat<Midpoint>` and `Thermostat<Gauss<S>>` have the

@@ -41,6 +41,8 @@ use text::{DRIFT_KICK, turns};
 
 use super::word::{Part, PartKind, Weighted, Word};
 
+pub(crate) use plans::plan;
+
 pub use checks::{check_table, check_weights};
 #[doc(hidden)]
 pub use flows::KickDrift;

@@ -116,7 +116,7 @@ pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: StateSum<f64>>(
     if cause.is_of_arguments() || !are_finite(lists) {
         return Err(cause);
     }
-    hard.solve_or_follow()
+    hard.solve_or_follow().map_err(|failure| hard.explained(failure))
 }
 
 fn are_finite(lists: [&[f64]; 4]) -> bool {
@@ -141,6 +141,13 @@ pub(crate) enum EndOfCurve {
 }
 
 impl<H: Discretized<E>, E, C: StateSum<f64>> HardStep<'_, H, E, C> {
+    /// The failure, or that the step is longer than a manifold curves, if that may be why.
+    fn explained(&self, failure: StepFailure) -> StepFailure {
+        let (q, p) = (self.q.components(), self.p.components());
+        let manifold = self.system.manifold();
+        manifold.and_then(|manifold| manifold.too_long(q, p, self.t, self.h)).unwrap_or(failure)
+    }
+
     /// Solves the step at once; if a doubt remains, along the step.
     fn solve_or_follow(&self) -> ContinuationResult<H, E, C> {
         let mut memory = MemoryOf::<H, E, f64>::default();

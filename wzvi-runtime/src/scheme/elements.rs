@@ -87,6 +87,7 @@ use crate::algebra::shape::Shape;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
+use crate::scheme::constraints::Manifold;
 use crate::scheme::plan::Facts;
 use crate::scheme::system::no_nan;
 
@@ -204,6 +205,11 @@ pub trait Elements: Sized {
     /// As `Hamiltonian::invariants`.
     fn invariants(&self) -> usize {
         0
+    }
+
+    /// As `Hamiltonian::manifold`.
+    fn manifold(&self) -> Option<&dyn Manifold> {
+        None
     }
 
     /// As `Hamiltonian::friction_rate`, with `parameters` as in [`EvaluationPoint`].

@@ -11,7 +11,8 @@
 
 use std::marker::PhantomData;
 
-pub use crate::scheme::bath::{Baoab, GjI, Gjf, Obabo, Splitting, Thermostat};
+pub use crate::scheme::bath::{Baoab, GBaoab, GjI, Gjf, Obabo, Splitting, Thermostat};
+pub use crate::scheme::constraints::Rattle;
 pub use crate::scheme::gauss::Gauss;
 pub use crate::scheme::system::{OneStep, Own};
 
@@ -55,7 +56,7 @@ pub struct Uncorrected<E>(PhantomData<E>);
 pub mod prelude {
     pub use super::{
         Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
-        Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Own, Splitting, Srkn6, Suzuki4,
-        SuzukiUmeno8, TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
+        GBaoab, Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Own, Rattle, Splitting,
+        Srkn6, Suzuki4, SuzukiUmeno8, TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
     };
 }

@@ -14,6 +14,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector, dot};
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
+use crate::scheme::constraints::Manifold;
 use crate::scheme::elements::InLoops;
 use crate::scheme::plan::Plan;
 
@@ -120,6 +121,23 @@ pub trait Hamiltonian {
     /// Number of noises: of noise Hamiltonians and of noise forces.
     fn noises(&self) -> usize {
         0
+    }
+
+    /// The manifold of the constraints, where there are any.
+    fn manifold(&self) -> Option<&dyn Manifold> {
+        None
+    }
+
+    /// The multipliers `λ` of the constraints in the motion through a state, one for each:
+    /// `dp/dt = -∂H_0/∂q + f - Gᵀ λ` with `G = ∂g/∂q`, so that `d²g/dt² = 0`. For `g = (|q|² - l²)/2` of a rod,
+    /// `λ l` is its tension. They are a function of the state, as exact as it; noise and a bath add
+    /// impulses that have no rate. Empty without constraints; `None` where constraints depend on each other,
+    /// or the state does not fit.
+    fn multipliers(&self, state: &State<Self::Vector>) -> Option<Vec<f64>> {
+        let Some(manifold) = self.manifold() else { return Some(Vec::new()) };
+        let (q, p) = (state.q.components(), state.p.components());
+        self.check(q.len()).ok()?;
+        (q.len() == p.len()).then(|| manifold.multipliers(q, p, state.t))?
     }
 
     /// Number of first integrals that the compiler has proven.

@@ -14,8 +14,9 @@
 //! one word serves steps of any size. [`Composes::word`](super::compose::Composes) makes the words of weights
 //! and tables, [`Word::spelled`] those of the letters of a user.
 //!
-//! Two executors take words: that of [lists](super::compose) takes part after part for the whole state, that
-//! of [tiles](super::elements) all parts for a tile while it is in the cache.
+//! Three executors take words: that of [lists](super::compose) takes part after part for the whole state, that
+//! of [tiles](super::elements) all parts for a tile while it is in the cache, and that of
+//! [constraints](super::constraints) part after part on a manifold.
 
 use std::fmt::Debug;
 
@@ -219,6 +220,13 @@ impl<P: PartKind> Word<P> {
             }
         }
         self.substeps.push(Substep::new(part, weight, node, number));
+    }
+}
+
+impl Word {
+    /// The number of its drifts.
+    pub(crate) fn drifts(&self) -> usize {
+        self.substeps.iter().filter(|substep| substep.part == Part::A).count()
     }
 }
 

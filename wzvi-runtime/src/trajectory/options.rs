@@ -177,6 +177,14 @@ macro_rules! options {
             self.setup.span.start.set("start", crate::trajectory::exclusive_setting::SOME, start);
             self
         }
+
+        /// Projects starts on the manifold of the [constraints](crate::scheme::constraints), however far they
+        /// are from it. Without it, a start is projected if it is on the manifold up to `1e-6` of the terms
+        /// of each constraint, and refused otherwise.
+        pub fn project_start(mut self) -> Self {
+            self.setup.span.is_projected = true;
+            self
+        }
     };
     (@ end) => {
         /// Runs to time `end` (time units of the Hamiltonian). Where `end` is no multiple of the step from

@@ -467,10 +467,13 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Singular { .. }
         | StepFailure::NoSolution { .. }
         | StepFailure::TooManyUnknowns { .. }
+        | StepFailure::BeyondCurvature { .. }
         | StepFailure::NonFinite
         | StepFailure::Infinite { .. } => true,
         StepFailure::Unresolved { .. }
         | StepFailure::UndefinedEnergy
+        | StepFailure::Dependent { .. }
+        | StepFailure::OffManifold { .. }
         | StepFailure::Increments { .. }
         | StepFailure::Dimension { .. }
         | StepFailure::Index(_)

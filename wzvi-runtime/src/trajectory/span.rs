@@ -6,6 +6,7 @@ use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure, wrong};
 use crate::ground::digits::{ShortestDecimal, computed};
 use crate::increments::{Interval, Noise, NoiseError};
+use crate::scheme::constraints::Distance;
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{Discretized, Hamiltonian, disequilibrium, fits};
 use crate::trajectory::Error;
@@ -33,6 +34,8 @@ pub(crate) struct RunSpan<V> {
     pub(crate) was_asked_early: bool,
     /// Whether one temperature of all degrees of freedom was asked for.
     pub(crate) asks_one_temperature: bool,
+    /// Whether starts are projected on the manifold of the constraints from any distance.
+    pub(crate) is_projected: bool,
 }
 
 impl<V> Default for RunSpan<V> {
@@ -43,6 +46,7 @@ impl<V> Default for RunSpan<V> {
             is_whole: false,
             was_asked_early: false,
             asks_one_temperature: false,
+            is_projected: false,
         }
     }
 }
@@ -218,7 +222,7 @@ impl<V: Vector> RunSpan<V> {
             let (asked, instead) = ("observe_temperatures", "`observe_equipartition` has one for each");
             return Err(ConfigError::NoEquilibrium { asked, why, instead });
         }
-        let start = checked(system, self.start.checked(ONE_START)?)?;
+        let start = checked(system, self.start.checked(ONE_START)?, self.is_projected)?;
         let end = self.end.checked("a run has one end")?;
         let grid = grid(end, self.is_whole, start.t, h)?;
         if !grid.has_times() {
@@ -248,11 +252,35 @@ pub(crate) fn sized<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> Res
 fn checked<H: Discretized<E>, E>(
     system: &H,
     start: Option<State<H::Vector>>,
+    is_projected: bool,
 ) -> Result<State<H::Vector>, ConfigError> {
     let state = start.ok_or(ConfigError::Missing(START))?;
     sized(system, &state)?;
     system.check(state.q.components().len()).map_err(ConfigError::Start)?;
-    if is_finite(&state) { Ok(state) } else { Err(ConfigError::Start(StepFailure::NonFiniteInput)) }
+    if !is_finite(&state) {
+        return Err(ConfigError::Start(StepFailure::NonFiniteInput));
+    }
+    projected(system, state, is_projected).map_err(ConfigError::Start)
+}
+
+/// The state on the manifold of the constraints, if there are any. `is_projected`: from any distance.
+///
+/// # Errors
+/// [`StepFailure::OffManifold`] if it is far away, and the errors of
+/// [`Manifold::project`](crate::scheme::constraints::Manifold::project).
+pub(crate) fn projected<H: Hamiltonian>(
+    system: &H,
+    mut state: State<H::Vector>,
+    is_projected: bool,
+) -> Result<State<H::Vector>, StepFailure> {
+    let Some(manifold) = system.manifold() else { return Ok(state) };
+    let State { q, p, t } = &mut state;
+    let distance = manifold.project(q.components_mut(), p.components_mut(), *t)?;
+    if distance.is_large() && !is_projected {
+        let Distance { coordinates, momenta } = distance;
+        return Err(StepFailure::OffManifold { coordinates, momenta });
+    }
+    Ok(state)
 }
 
 fn is_finite<V: Vector>(state: &State<V>) -> bool {

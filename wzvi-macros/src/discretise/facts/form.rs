@@ -39,7 +39,7 @@ impl PreservedForm {
     /// Whether the step keeps a first integral of this form to rounding.
     pub(crate) fn is_kept(self, embedding: &Embedding, has_noise: bool) -> bool {
         let ([drift, noise], midpoint) = (embedding.points(), Points::one(Rational::HALF));
-        let has_midpoint = drift == midpoint && !embedding.takes_flows();
+        let has_midpoint = drift == midpoint && !embedding.takes_flows() && !embedding.keeps_constraints();
         self.quadratic && has_midpoint && (noise == midpoint || !has_noise)
             || self.bilinear && (drift == noise || !has_noise)
     }

@@ -1,9 +1,10 @@
 //! First integrals: the rates of a function along the drift, the noises and the forces. Tests:
 //! `lower/tests/identities.rs`, `tests/steps/invariants.rs`.
 
+use super::constraints::vanishes_on_manifold;
 use super::forces::{self, Forces};
 use super::form::is_quadratic;
-use super::{Hamiltonians, PreservedForm, boundaries_in, kept_across};
+use super::{Hamiltonians, NumberedSum, PreservedForm, boundaries_in, kept_across};
 use std::collections::HashMap;
 
 use crate::diagnostics::Extent;
@@ -34,6 +35,7 @@ pub(crate) struct Failure {
 /// Checks the rates and the jumps of a function, up to the first that is not proven to vanish.
 struct Rates<'r, 'c> {
     sums: &'r mut Calculus<'c>,
+    constraints: &'r [NumberedSum],
     failure: Option<Failure>,
 }
 
@@ -41,7 +43,7 @@ impl Rates<'_, '_> {
     fn check(&mut self, along: String, rate: impl FnOnce(&mut Calculus<'_>) -> Option<Sum>) {
         if self.failure.is_none() {
             let rate = rate(self.sums);
-            let found = self.sums.vanishes(rate, Increments::Each);
+            let found = vanishes_on_manifold(self.sums, rate, self.constraints);
             self.failure = Some(Failure { along, found }).filter(|failure| !failure.found.known.is_proven());
         }
     }
@@ -60,13 +62,17 @@ pub(super) fn invariant(
     name: String,
     value: Sum,
 ) -> Invariant {
-    let Hamiltonians { noise, numbers, forces, t, .. } = hamiltonians;
-    let mut rates = Rates { sums: &mut *sums, failure: None };
+    let Hamiltonians { noise, numbers, forces, constraints, t, .. } = hamiltonians;
+    let mut rates = Rates { sums: &mut *sums, constraints, failure: None };
     rates.check(along_drift(forces), |sums| rate_of_drift(sums, hamiltonians, &value));
     let named = |number: &str| number.trim_start_matches('_').to_owned();
     for (number, hamiltonian) in numbers.iter().zip(noise) {
         let along = format!("noise {}: {{H{number}, F}}", named(number));
         rates.check(along, |sums| sums.bracket(hamiltonian, &value));
+    }
+    for NumberedSum { number, sum: constraint } in constraints {
+        let along = format!("constraint {}: {{g{number}, F}}", named(number));
+        rates.check(along, |sums| sums.bracket(constraint, &value));
     }
     for (number, force) in forces.numbers.iter().zip(&forces.noise) {
         let along = format!("noise force {}: F{number} · ∂F/∂p", named(number));
@@ -188,13 +194,14 @@ fn stays(sums: &mut Calculus<'_>, of: &Hamiltonians, element: &Element, function
 
 /// Whether all rates of a function vanish.
 fn is_constant(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> bool {
-    let Hamiltonians { noise, forces, .. } = of;
+    let Hamiltonians { noise, forces, constraints, .. } = of;
     let rate = rate_of_drift(sums, of, value);
-    let vanishes = |sums: &mut Calculus<'_>, rate| sums.vanishes(rate, Increments::Each).known.is_proven();
+    let vanishes =
+        |sums: &mut Calculus<'_>, rate| vanishes_on_manifold(sums, rate, constraints).known.is_proven();
     if forces.is_warm || !vanishes(sums, rate) {
         return false;
     }
-    for hamiltonian in noise {
+    for hamiltonian in noise.iter().chain(constraints.iter().map(|constraint| &constraint.sum)) {
         let rate = sums.bracket(hamiltonian, value);
         if !vanishes(sums, rate) {
             return false;

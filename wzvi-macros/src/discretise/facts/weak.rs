@@ -36,7 +36,7 @@ pub(super) fn has_order_two(
     class: NoiseClass,
     is_energy_kept: &Knowledge,
 ) -> bool {
-    let Hamiltonians { t, drift, noise, forces, numbers: _ } = of;
+    let Hamiltonians { t, drift, noise, forces, numbers: _, constraints: _ } = of;
     let reads = |sum: &Sum, momenta: bool| {
         sum.iter().any(|one| if momenta { one.element.reads().p } else { one.element.reads().q })
     };

@@ -212,7 +212,7 @@ impl Chunk<'_> {
         }
         let place = |target: &Target| match target {
             Target::Gradient { index, .. } => Some(self.indices.position(index)),
-            Target::Value { .. } | Target::Total { .. } | Target::Hessian { .. } => None,
+            _ => None,
         };
         match self.outputs.iter().map(|(_, target)| place(target)).collect::<Option<Vec<_>>>() {
             Some(places)
@@ -367,6 +367,14 @@ impl Chunk<'_> {
             Target::Hessian { by, row, column, is_alone } => {
                 let (row, column) = (indices.position(row), indices.position(column));
                 quote!(__into(__wzvi::elements::HessianBlock::#by, [#row, #column], #is_alone, #value);)
+            }
+            Target::Constraint { method, constraint } => {
+                let constraint = indices.position(constraint);
+                quote!(__into.#method(#constraint, #value);)
+            }
+            Target::Slope { constraint, coordinate } => {
+                let (constraint, coordinate) = (indices.position(constraint), indices.position(coordinate));
+                quote!(__into.slope(#constraint, #coordinate, #value);)
             }
         }
     }

@@ -84,7 +84,7 @@ impl ElementEmitter<'_> {
         let passes: TokenStream = passes.into_iter().map(|(loops, terms)| self.pass(loops, &terms)).collect();
         let zero = self.derivative.constant(&quote!(0.0));
         let passes = match (self.derivative, wanted) {
-            (Derivative::Value | Derivative::Hessian, _) => passes,
+            (Derivative::Value | Derivative::Hessian | Derivative::Rows, _) => passes,
             (_, Reads { q: true, p: true }) => quote!(if __partials.by_q || __partials.by_p { #passes }),
             (_, Reads { p: true, .. }) => quote!(if __partials.by_p { #passes }),
             _ => quote!(if __partials.by_q { #passes }),

@@ -22,12 +22,20 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
         0 => None,
         known => Some(number_of("invariants", &count(known).into_token_stream())),
     };
+    let manifold = (!model.constraints.is_empty()).then(|| {
+        quote! {
+            fn manifold(&self) -> __wzvi::Option<&dyn __wzvi::constraints::Manifold> {
+                __wzvi::Some(self)
+            }
+        }
+    });
     let parameter = parameter(&model.graph, model.listed());
     let validate = validate(model);
     let variables = variables(&model.labels, model.graph.symbol_name(model.t), &model.invariant_names);
     quote! {
         type Vector = #vector;
         #noises
+        #manifold
         #invariants
         #variables
         #parameter

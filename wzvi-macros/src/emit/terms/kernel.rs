@@ -27,6 +27,10 @@ pub(super) enum Target {
     Gradient { vector: Ident, index: Index },
     /// `into(by, [row, column], is_alone, value)`, where both variables of a pair may coincide.
     Hessian { by: Ident, row: Index, column: Index, is_alone: bool },
+    /// `into.value(constraint, value)`, or `into.rate(constraint, value)`.
+    Constraint { method: Ident, constraint: Index },
+    /// `into.slope(constraint, coordinate, value)`
+    Slope { constraint: Index, coordinate: Index },
 }
 
 impl Target {
@@ -220,7 +224,8 @@ impl ElementEmitter<'_> {
 
     /// Whether a loop runs over the active members of a family of noises.
     fn is_acting(&self, weighted: &Weighted, known: &Loop) -> bool {
-        self.derivative != Derivative::Hessian && family_of(weighted) == Some(known.variable)
+        !matches!(self.derivative, Derivative::Hessian | Derivative::Rows)
+            && family_of(weighted) == Some(known.variable)
     }
 
     /// The start and the end of a loop.
@@ -254,7 +259,7 @@ pub(super) fn is_total(outputs: &[(Expr, Target)]) -> bool {
 pub(super) fn written(outputs: &[(Expr, Target)]) -> TokenStream {
     let vector = outputs.iter().find_map(|(_, target)| match target {
         Target::Gradient { vector, .. } => Some(quote!(#vector)),
-        Target::Value { .. } | Target::Total { .. } | Target::Hessian { .. } => None,
+        _ => None,
     });
     vector.unwrap_or_else(|| quote!(__by_q))
 }

@@ -5,6 +5,7 @@ mod beside_step;
 mod chunk;
 mod collective;
 mod combine;
+mod constraints;
 mod hamiltonian;
 mod in_loops;
 mod kernel;
@@ -15,6 +16,7 @@ mod weighted;
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
 
+pub(crate) use self::constraints::emit as constraints;
 pub(crate) use self::in_loops::{emit as step, in_tiles, quadrature};
 use crate::diagnostics::promised;
 use crate::discretise::{Facts, Plans, Role, RoleElements, scale_momenta};
@@ -97,6 +99,8 @@ enum Derivative {
     Value,
     Gradient,
     Hessian,
+    /// Values and first derivatives of constraints, each with the number of the constraint.
+    Rows,
 }
 
 impl Derivative {
@@ -104,7 +108,7 @@ impl Derivative {
     fn number(self) -> TokenStream {
         match self {
             Self::Gradient => quote!(__T),
-            Self::Value | Self::Hessian => quote!(__S),
+            Self::Value | Self::Hessian | Self::Rows => quote!(__S),
         }
     }
 
@@ -124,7 +128,7 @@ impl Derivative {
     fn lifted(self, kept: TokenStream) -> TokenStream {
         match self {
             Self::Gradient => quote!(__T::of(#kept)),
-            Self::Value | Self::Hessian => kept,
+            Self::Value | Self::Hessian | Self::Rows => kept,
         }
     }
 }

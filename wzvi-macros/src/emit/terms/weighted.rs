@@ -14,7 +14,7 @@ use crate::model::{Element, Half, Index, Reads, System};
 use crate::symbolic::{Expr, Symbol, SymbolKind};
 
 /// Values to compute, with their targets.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Outputs {
     pub(super) values: Vec<(Expr, Target)>,
     /// The definitions of the symbols in the values.

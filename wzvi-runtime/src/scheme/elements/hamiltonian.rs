@@ -8,6 +8,7 @@ use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
+use crate::scheme::constraints::Manifold;
 use crate::scheme::system::{Gradient, Hamiltonian, Kind};
 
 /// Whether `q` and `p` are those of a state of the system.
@@ -68,6 +69,10 @@ impl<H: Elements> Hamiltonian for H {
 
     fn validate(&self) -> Result<(), ConfigError> {
         Elements::validate(self)
+    }
+
+    fn manifold(&self) -> Option<&dyn Manifold> {
+        Elements::manifold(self)
     }
 
     fn noises(&self) -> usize {

@@ -235,6 +235,8 @@ impl Chunk<'_> {
             Target::Value { .. } | Target::Total { .. } => true,
             Target::Gradient { index, .. } => !is_moving(index),
             Target::Hessian { row, column, .. } => !is_moving(row) && !is_moving(column),
+            Target::Constraint { constraint, .. } => !is_moving(constraint),
+            Target::Slope { constraint, coordinate } => !is_moving(constraint) && !is_moving(coordinate),
         };
         let is_shared = matches!(target, Target::Gradient { vector, .. } if code.direct.contains(vector));
         if is_fixed {

@@ -1,0 +1,269 @@
+//! The manifold of the constraints for users: the distance of a state from it, projections, the multipliers
+//! of the exact motion, and whether a step can end on it.
+
+use std::collections::BTreeSet;
+
+use super::evaluation::Multipliers;
+use super::flows::{ConstrainedFlows, largest_ratio};
+use super::memory::ConstraintScratch;
+use super::{Constrained, ConstraintLayout, ConstraintRows};
+use crate::algebra::scalar::{Dual, Scalar};
+use crate::algebra::state_sum::PlainSum;
+use crate::error::StepFailure;
+use crate::scheme::elements::{Elements, EvaluationPoint, field};
+
+/// States farther away than this, relative to the terms of the constraints, are no mistake of rounding.
+pub(crate) const NEAR: f64 = 1e-6;
+/// A constraint whose gradient keeps less than this fraction of its square when those of the constraints
+/// before it are taken out follows from these.
+const DEPENDENT: f64 = 1e-10;
+/// The most iterations of a projection.
+const MOST_ITERATIONS: u32 = 50;
+/// Constraints hold to so many roundings of the coordinates that they read.
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+
+/// How far a state is from the manifold: the largest constraint and the largest derivative of a constraint by
+/// the time, each relative to the sum of the absolute values of its terms `∂g/∂q_i q_i`, `∂g/∂q_i dq_i/dt`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Distance {
+    /// Of the coordinates.
+    pub coordinates: f64,
+    /// Of the momenta.
+    pub momenta: f64,
+}
+
+impl Distance {
+    /// Whether it is more than the rounding of a start that somebody computed.
+    pub(crate) fn is_large(self) -> bool {
+        let is_small = |distance: f64| distance <= NEAR;
+        !(is_small(self.coordinates) && is_small(self.momenta))
+    }
+}
+
+/// The manifold of constraints of a system.
+pub trait Manifold {
+    /// The number of constraints.
+    fn constraints(&self) -> usize;
+
+    /// Projects a state: the coordinates along `W Gᵀ`, then the momenta along `Gᵀ`. Returns how far the state
+    /// was from the manifold. The state is unchanged on `Err`.
+    ///
+    /// # Errors
+    /// [`StepFailure::Dependent`] if a constraint follows from others there; [`StepFailure::NotConverged`] if
+    /// no point of the manifold was found.
+    fn project(&self, q: &mut [f64], p: &mut [f64], t: f64) -> Result<Distance, StepFailure>;
+
+    /// The multipliers `λ` of the motion through a state on the manifold, one for each constraint:
+    /// `dp/dt = -∂H/∂q + f - Gᵀ λ`, where `d²g/dt² = 0`. `None` where `G W Gᵀ` is singular.
+    fn multipliers(&self, q: &[f64], p: &[f64], t: f64) -> Option<Vec<f64>>;
+
+    /// Adds the forces `-Gᵀ λ` of the constraints.
+    fn add_forces(&self, q: &[f64], p: &[f64], t: f64, into: &mut [f64]);
+
+    /// Why no step of this size ends on the manifold: the tangent leaves it farther than it curves.
+    fn too_long(&self, q: &[f64], p: &[f64], t: f64, h: f64) -> Option<StepFailure>;
+}
+
+type Scratch<F, S = f64> = ConstraintScratch<S, <F as Constrained>::Layout, <F as Elements>::Shape>;
+
+/// Scratch with a state, the constraints there, and `W`.
+fn scratch_at<F: Constrained, S: Scalar>(system: &F, q: &[S], p: &[S], t: S::Constant) -> Scratch<F, S> {
+    let mut scratch: Scratch<F, S> = ConstraintScratch::new(system, q.len(), 0);
+    scratch.q.as_mut().copy_from_slice(q);
+    scratch.p.as_mut().copy_from_slice(p);
+    let flows = ConstrainedFlows { system, parameters: &[] };
+    flows.weigh(&mut scratch);
+    flows.evaluate_here(&mut scratch, t);
+    scratch
+}
+
+/// `|(G W p + ∂g/∂t)_k| / Σ_i |G_ki W_i p_i|`, the largest.
+fn distance_of_momenta<F: Constrained>(scratch: &mut Scratch<F>) -> f64 {
+    let ConstraintScratch { pattern, here, p, w, velocity, impulses, bounds, .. } = scratch;
+    let velocity = velocity.as_mut();
+    for ((velocity, p), w) in velocity.iter_mut().zip(p.as_ref()).zip(w.as_ref()) {
+        *velocity = w * p;
+    }
+    let (rates, bounds) = (impulses.as_mut(), bounds.as_mut());
+    F::Layout::product(pattern, &here.jacobian, velocity, rates);
+    F::Layout::absolute_product(pattern, &here.jacobian, velocity, bounds);
+    if F::READ_TIME {
+        for ((rate, bound), of_time) in rates.iter_mut().zip(&mut *bounds).zip(here.rates.as_ref()) {
+            *rate += of_time;
+            *bound += of_time.abs();
+        }
+    }
+    largest_ratio(rates, bounds)
+}
+
+/// The first constraint that follows from others at the state of the scratch, whose `G W Gᵀ` is factored.
+fn dependent<F: Constrained>(scratch: &mut Scratch<F>) -> Option<usize> {
+    let ConstraintScratch { pattern, here, factors, w, bounds, corrections, .. } = scratch;
+    F::Layout::factor(pattern, &here.jacobian, w.as_ref(), &here.jacobian, factors);
+    F::Layout::diagonal(pattern, &here.jacobian, w.as_ref(), bounds.as_mut());
+    F::Layout::pivots(pattern, factors, corrections.as_mut());
+    let mut pivots = corrections.as_ref().iter().zip(bounds.as_ref());
+    pivots.position(|(pivot, diagonal)| {
+        let is_pivot = *pivot > DEPENDENT * diagonal;
+        !is_pivot
+    })
+}
+
+impl<F: Constrained> Manifold for F {
+    fn constraints(&self) -> usize {
+        Constrained::constraints(self)
+    }
+
+    fn project(&self, q: &mut [f64], p: &mut [f64], t: f64) -> Result<Distance, StepFailure> {
+        let flows = ConstrainedFlows { system: self, parameters: &[] };
+        let mut scratch = scratch_at(self, q, p, t);
+        let mut distance = Distance { coordinates: flows.distance(&mut scratch), momenta: 0.0 };
+        let (mut residual, mut before, mut iterations) = (distance.coordinates, f64::INFINITY, 0);
+        // Where the constraints are roundings, no correction makes them smaller.
+        while !(residual <= ROUNDINGS || (residual <= NEAR * NEAR && residual >= 0.5 * before)) {
+            if iterations == MOST_ITERATIONS || !residual.is_finite() {
+                return Err(StepFailure::NotConverged { iterations, correction: residual });
+            }
+            if let Some(constraint) = dependent::<F>(&mut scratch) {
+                return Err(StepFailure::Dependent { constraint });
+            }
+            let ConstraintScratch { pattern, here, factors, q, w, force, corrections, .. } = &mut scratch;
+            let corrections = corrections.as_mut();
+            corrections.copy_from_slice(here.values.as_ref());
+            F::Layout::solve(pattern, factors, corrections);
+            F::Layout::transposed_product(pattern, &here.jacobian, corrections, force.as_mut());
+            for ((q, force), w) in q.as_mut().iter_mut().zip(force.as_ref()).zip(w.as_ref()) {
+                *q -= w * force;
+            }
+            flows.evaluate_here(&mut scratch, t);
+            (before, residual) = (residual, flows.distance(&mut scratch));
+            iterations += 1;
+        }
+        if let Some(constraint) = dependent::<F>(&mut scratch) {
+            return Err(StepFailure::Dependent { constraint });
+        }
+        distance.momenta = distance_of_momenta::<F>(&mut scratch);
+        // A state on the manifold keeps its bits.
+        let is_tangent = distance.momenta <= ROUNDINGS;
+        if !is_tangent {
+            flows.project::<PlainSum>(&mut scratch);
+        }
+        if !scratch.p.as_ref().iter().all(|p| p.is_finite()) {
+            return Err(StepFailure::NonFinite);
+        }
+        q.copy_from_slice(scratch.q.as_ref());
+        p.copy_from_slice(scratch.p.as_ref());
+        Ok(distance)
+    }
+
+    fn multipliers(&self, q: &[f64], p: &[f64], t: f64) -> Option<Vec<f64>> {
+        let mut scratch = scratch_at(self, q, p, t);
+        if dependent::<F>(&mut scratch).is_some() {
+            return None;
+        }
+        Some(multipliers(self, &mut scratch, t).as_ref().to_vec())
+    }
+
+    fn add_forces(&self, q: &[f64], p: &[f64], t: f64, into: &mut [f64]) {
+        let mut scratch = scratch_at(self, q, p, t);
+        let is_singular = dependent::<F>(&mut scratch).is_some();
+        let lambda = multipliers(self, &mut scratch, t);
+        let ConstraintScratch { pattern, here, force, .. } = &mut scratch;
+        F::Layout::transposed_product(pattern, &here.jacobian, lambda.as_ref(), force.as_mut());
+        for (into, force) in into.iter_mut().zip(force.as_ref()) {
+            *into = if is_singular { f64::NAN } else { *into - force };
+        }
+    }
+
+    fn too_long(&self, q: &[f64], p: &[f64], t: f64, h: f64) -> Option<StepFailure> {
+        let scratch = scratch_at(self, q, p, t);
+        let mut normals = Normals {
+            constraints: vec![Normal::default(); Constrained::constraints(self)],
+            met: BTreeSet::new(),
+            w: scratch.w.as_ref(),
+            p,
+        };
+        self.constrain(&EvaluationPoint::new([q, &[][..]], t, &[], &[]), &mut normals);
+        let end: Vec<f64> =
+            q.iter().zip(p).zip(scratch.w.as_ref()).map(|((q, p), w)| q + h * w * p).collect();
+        let there = scratch_at(self, &end, p, t + h);
+        let lengths = normals.constraints.iter().zip(there.here.values.as_ref()).map(|(normal, gap)| {
+            // In the metric of the masses, then in lengths along the normal.
+            let (square, slope) = (h * h * normal.kinetic, normal.weighted.sqrt());
+            let along = (normal.weighted / normal.square).sqrt();
+            [square.sqrt() * along, 0.5 * square * slope / gap.abs() * along]
+        });
+        let worst = lengths.enumerate().max_by(|(_, a), (_, b)| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));
+        let (constraint, [length, radius]) = worst?;
+        let is_finite = length.is_finite() && radius.is_finite();
+        // Below half of the radius the tangent is no cause.
+        (is_finite && length > 0.5 * radius).then_some(StepFailure::BeyondCurvature {
+            constraint,
+            length,
+            radius,
+        })
+    }
+}
+
+/// `λ` at the state of the scratch, whose `G W Gᵀ` is factored: the derivative of `c = G W p + ∂g/∂t` along
+/// the motion without constraints, by a dual number, is `G W Gᵀ λ`.
+fn multipliers<F: Constrained>(system: &F, scratch: &mut Scratch<F>, t: f64) -> Multipliers<f64, F::Layout> {
+    type Along = Dual<1>;
+    let ConstraintScratch { q, p, w, force, columns, .. } = &mut *scratch;
+    let (q, p, w) = (q.as_ref(), p.as_ref(), w.as_ref());
+    let at = ([t, 1.0], [q, p], &[][..]);
+    field::<F, f64, true, false>((system, &[]), at, [force.as_mut(), &mut []], columns);
+    if F::FACTS.kind.is_conformal {
+        let rate: f64 = Elements::friction_rate(system, &[]);
+        force.as_mut().iter_mut().zip(p).for_each(|(force, p)| *force += rate * p);
+    }
+    let along = |value: f64, derivative: f64| Along { value, derivative: [derivative] };
+    let moved_q: Vec<Along> = q.iter().zip(p).zip(w).map(|((q, p), w)| along(*q, w * p)).collect();
+    let moved_p: Vec<Along> = p.iter().zip(force.as_ref()).map(|(p, force)| along(*p, -force)).collect();
+    let there = scratch_at(system, &moved_q, &moved_p, along(t, 1.0));
+    let ConstraintScratch { pattern, here, p: moved, w: weights, .. } = &there;
+    let velocity: Vec<Along> = moved.as_ref().iter().zip(weights.as_ref()).map(|(p, w)| *w * *p).collect();
+    let mut rates = vec![Along::from_f64(0.0); Constrained::constraints(system)];
+    F::Layout::product(pattern, &here.jacobian, &velocity, &mut rates);
+    let ConstraintScratch { pattern, factors, corrections, .. } = scratch;
+    let lambda = corrections.as_mut();
+    for ((lambda, rate), of_time) in lambda.iter_mut().zip(&rates).zip(here.rates.as_ref()) {
+        *lambda = rate.derivative[0] + if F::READ_TIME { of_time.derivative[0] } else { 0.0 };
+    }
+    F::Layout::solve(pattern, factors, lambda);
+    corrections.clone()
+}
+
+/// The gradient of a constraint, and the motion of the coordinates that it reads.
+#[derive(Clone, Copy, Debug, Default)]
+struct Normal {
+    /// `Σ_i G_i²`
+    square: f64,
+    /// `Σ_i G_i² W_i`
+    weighted: f64,
+    /// `Σ_i W_i p_i²` of the coordinates that it reads.
+    kinetic: f64,
+}
+
+/// Collects the gradients of constraints.
+struct Normals<'a> {
+    constraints: Vec<Normal>,
+    met: BTreeSet<[usize; 2]>,
+    w: &'a [f64],
+    p: &'a [f64],
+}
+
+impl ConstraintRows<f64> for Normals<'_> {
+    fn value(&mut self, _: usize, _: f64) {}
+
+    fn slope(&mut self, constraint: usize, coordinate: usize, slope: f64) {
+        let (normal, w, p) = (&mut self.constraints[constraint], self.w[coordinate], self.p[coordinate]);
+        normal.square += slope * slope;
+        normal.weighted += slope * slope * w;
+        if self.met.insert([constraint, coordinate]) {
+            normal.kinetic += w * p * p;
+        }
+    }
+
+    fn rate(&mut self, _: usize, _: f64) {}
+}

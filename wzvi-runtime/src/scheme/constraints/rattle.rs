@@ -1,0 +1,141 @@
+//! Steps of [`Rattle`] and its compositions, for `p · W p / 2 + V(q, t)` with a diagonal matrix `W`.
+
+use std::marker::PhantomData;
+
+use super::Constrained;
+use super::ConstraintLayout;
+use super::memory::{ConstraintMemory, ConstraintScratch};
+use super::word::{ConstrainedStep, Relaxes};
+use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
+use crate::algebra::shape::Shape;
+use crate::algebra::solve::Effort;
+use crate::algebra::state_sum::{self, StateSum};
+use crate::error::{ConfigError, StepFailure};
+use crate::scheme::compose::{ComposedWord, Composes, Listing, Symmetric, plan};
+use crate::scheme::elements::{Elements, check_new};
+use crate::scheme::plan::{KeptEnergy, Plan, Solver};
+use crate::scheme::system::{
+    LiftParameter, Movable, Properties, Scheme, StepArguments, check_lengths, varied_without_lists,
+};
+use crate::scheme::word::{Part, Substep, Weighted, Word};
+
+/// RATTLE: [`Verlet`](crate::scheme::compose::Verlet) on the manifold of [constraints](super), symmetric,
+/// symplectic, and of order two. The constraints and their derivatives by the time hold at every node.
+/// [`Composed`](crate::scheme::compose::Composed) has higher orders. Friction with one rate for all degrees of
+/// freedom acts for half of a step before it and for the other half after it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rattle;
+
+const fn part(part: Part, weight: f64) -> Weighted {
+    Weighted { part, weight }
+}
+
+/// A step without friction.
+const STEP: &[Weighted] = &[part(Part::B, 0.5), part(Part::A, 1.0), part(Part::B, 0.5)];
+/// A step with friction.
+const WITH_FRICTION: &[Weighted] =
+    &[part(Part::O, 0.5), part(Part::B, 0.5), part(Part::A, 1.0), part(Part::B, 0.5), part(Part::O, 0.5)];
+
+impl<K> Symmetric<K> for Rattle {
+    type Basic = Self;
+    type Adjoint = Self;
+    type Part = Part;
+    type Steps<W> = RattleSteps<W>;
+    const STEP: &'static [Weighted] = STEP;
+}
+
+/// The word `W` on the manifold.
+#[derive(Clone, Copy, Debug)]
+pub struct RattleSteps<W>(PhantomData<W>);
+
+/// The word of a step, and what it reads.
+#[derive(Clone, Debug)]
+pub struct RattleConstants<K> {
+    parameters: Vec<K>,
+    word: Word,
+    /// The number of its drifts.
+    drifts: usize,
+    /// The logarithm of the factor of the momenta by friction over the whole step.
+    exponent: Option<K>,
+}
+
+/// The plan of steps that solve for the multipliers.
+pub(crate) const fn constrained_plan<F: Constrained>() -> Plan {
+    let unknowns = if F::Shape::IS_FIXED { F::CONSTRAINTS } else { usize::MAX };
+    F::FACTS.plan(Solver::Newton, unknowns, 2, true)
+}
+
+impl<F, E, T, W> Scheme<F> for RattleSteps<ComposedWord<E, T, W>>
+where
+    F: Constrained,
+    W: Composes<E, T, Part = Part>,
+{
+    const PLAN: Plan = plan(constrained_plan::<F>(), W::ORDER);
+    const PROPERTIES: Properties = Properties {
+        kept_energy: KeptEnergy::Nearly,
+        ..Properties::of(&<Self as Scheme<F>>::PLAN, size_of::<Self::Memory<f64>>())
+    };
+    type Prepared<K: Constant> = RattleConstants<K>;
+    type Memory<S: Scalar> = ConstraintMemory<S, F::Layout, F::Shape>;
+    type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
+    type Sum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
+
+    fn prepare<K: Constant>(
+        system: &F,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<Self::Prepared<K>, ConfigError> {
+        check_new(system)?;
+        let parameters = varied_without_lists(system, lift)?;
+        let is_damped = F::FACTS.kind.is_conformal;
+        let exponent = is_damped.then(|| -(Elements::friction_rate(system, &parameters) * h));
+        let word = match W::LISTING {
+            Listing::Steps(weights) if is_damped => Word::composed(WITH_FRICTION, weights),
+            _ => W::word(),
+        };
+        Ok(RattleConstants { parameters, drifts: word.drifts(), word, exponent })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Self::Prepared<K>,
+        at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let RattleConstants { parameters, word, drifts, exponent } = prepared;
+        let StepArguments { t, h, q, p, dw } = at.lists().shared();
+        let is_ready = memory.fits(q.len(), *drifts, dw.len());
+        check_lengths(system, is_ready, [q.len(), p.len(), dw.len()])?;
+        let room = memory.room(system, q.len(), *drifts, dw.len());
+        let step = ConstrainedStep { system, parameters: S::varied(parameters), word, t, h, dw };
+        let mut friction = OneRate { exponent: exponent.map(S::constant) };
+        step.take([q, p], carry, room, &mut friction)?.effort()
+    }
+}
+
+/// Friction with one rate.
+struct OneRate<S> {
+    exponent: Option<S>,
+}
+
+impl<S: Scalar, L: ConstraintLayout, H: Shape> Relaxes<S, L, H> for OneRate<S> {
+    const IS_WARM: bool = false;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn relax<C: StateSum<S>>(
+        &mut self,
+        part: &Substep,
+        scratch: &mut ConstraintScratch<S, L, H>,
+    ) -> Result<(), StepFailure> {
+        let Some(exponent) = self.exponent else { return Ok(()) };
+        let decay = (exponent * part.weight).exp();
+        let ConstraintScratch { p, lost_p, .. } = scratch;
+        for (p, lost) in p.as_mut().iter_mut().zip(lost_p.as_mut()) {
+            let change = *p * decay - *p;
+            (*p, *lost) = C::add(*p, change, *lost * decay);
+        }
+        Ok(())
+    }
+}
