@@ -3,5 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
+mod between;
 mod references;
 mod systems;

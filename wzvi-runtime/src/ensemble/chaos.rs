@@ -17,13 +17,14 @@ use crate::increments::Noise;
 use crate::saving::FileError;
 use crate::saving::file;
 use crate::saving::table::{Table, TableRows};
+use crate::scheme::constraints::ManifoldPoint;
 use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::statistics::PathFailure;
 use crate::trajectory::Error;
 use crate::trajectory::chaos::{chosen, gali, sali};
 use crate::trajectory::exclusive_setting::SOME;
 use crate::trajectory::made_settings::MadeSetting;
-use crate::trajectory::span::{ONE_START, sized};
+use crate::trajectory::span::{ONE_START, projected, sized};
 
 const MEGNO: &str = "megno";
 
@@ -125,7 +126,8 @@ where
         if given.as_ref().is_some_and(|given| given.len() != NUMBER) {
             return wrong(format!("a map takes {NUMBER} deviations"));
         }
-        let deviations = chosen(given, NUMBER, degrees)?;
+        let first = projected(system, first, span.is_projected).map_err(ConfigError::Start)?;
+        let deviations = chosen(system, &first, given, NUMBER)?;
         let listed = starts.as_ref().and_then(ByPath::listed);
         let paths = number_of_paths(paths, [listed, None])?;
         let start_of = |path: u64| match &starts {
@@ -136,7 +138,8 @@ where
         for path in 0..paths {
             let start = start_of(path)?;
             check(system, &start, path, (degrees, first.t))?;
-            all.push(start);
+            let start = projected(system, start, span.is_projected);
+            all.push(start.map_err(|cause| ConfigError::PathStart { path, cause })?);
         }
 
         let system = Linearised { system, start: first.t, h };
@@ -147,7 +150,8 @@ where
             "starts_from",
             SOME,
             ByPath::Drawn(Box::new(|draw| {
-                lifted(all.get(draw.path() as usize).unwrap_or(&first), &deviations)
+                let start = all.get(draw.path() as usize).unwrap_or(&first);
+                lifted(start, &tangent(system.system, start, &deviations))
             })),
         );
         (own.paths, own.source, own.settings, own.control) = (Some(paths), source, settings, control);
@@ -189,6 +193,17 @@ where
             starts: all,
         })
     }
+}
+
+/// The deviations on the tangent space of the manifold of constraints at a start, if there is one.
+fn tangent<H: Hamiltonian>(system: &H, start: &State<H::Vector>, deviations: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut deviations = deviations.to_vec();
+    if let Some(manifold) = system.manifold() {
+        let (q, p) = (start.q.components(), start.p.components());
+        let point = ManifoldPoint { q, p, t: start.t };
+        deviations.iter_mut().for_each(|deviation| manifold.make_tangent(point, deviation));
+    }
+    deviations
 }
 
 const STARTS: &str = "a start: add `.start(...)`, `.starts_from(...)` or `.starts(...)`";

@@ -9,6 +9,7 @@
 
 use super::job::EnsembleJob;
 use crate::algebra::state::{State, Vector};
+use crate::scheme::constraints::put_on;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
 use crate::statistics::{Passage, Seen, Statistics};
@@ -62,12 +63,13 @@ impl<V: Vector> PathCrossings<V> {
         statistics: &mut Statistics,
     ) {
         let Self { watch, counts, passed } = self;
-        watch.follow(job.crossed.functions().take(number), dense, &mut |crossing| {
+        watch.follow(job.crossed.functions().take(number), dense, &mut |mut crossing| {
             if let Some(event) = crossing.section.checked_sub(counts.len()) {
                 if passed[event].is_nan() {
                     passed[event] = crossing.state.t;
                 }
             } else if job.crossed.sections.want(&crossing) {
+                put_on(job.systems.of(path).manifold(), &mut crossing.state);
                 let Crossing { section, direction, state } = crossing;
                 let (before, t) = (counts[section], state.t);
                 let (q, p) = (state.q.components(), state.p.components());

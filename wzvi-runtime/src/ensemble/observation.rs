@@ -7,6 +7,7 @@ use super::starts::Systems;
 use super::stop_poll::StopPoll;
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::error::StoppedError;
+use crate::scheme::constraints::put_on;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
 use crate::statistics::{PathFailure, Seen, Statistics};
@@ -164,6 +165,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                         }
                     })?;
                     room.t = t;
+                    put_on(job.systems.of(path).manifold(), room);
                     &*room
                 }
                 _ => group.state_at(lane, node),

@@ -65,8 +65,9 @@ fn follow<'j, H: Discretized<E>, E, T: StepPaths<'j, H, E, 2>>(
     // Antithetic paths come in pairs.
     let (first, lane) = (path - path % 2, (path % 2) as usize);
     group.begin(first, job.paths)?;
+    let manifold = job.systems.of(path).manifold();
     let looks_inside = !job.crossed.sections.is_empty() || !recording.between.is_empty();
-    let mut looks = looks_inside.then(|| BetweenNodes::new(&job.crossed.sections, &start));
+    let mut looks = looks_inside.then(|| BetweenNodes::new(&job.crossed.sections, &start, manifold));
     // The state at the last node.
     let (mut dense, mut reached) = (DenseOutput::of(&start), start);
     let taken = (1..=job.grid.steps).try_for_each(|node| {

@@ -128,6 +128,11 @@ pub trait Hamiltonian {
         None
     }
 
+    /// The degrees of freedom that constraints leave of so many.
+    fn degrees_left(&self, degrees: usize) -> usize {
+        degrees.saturating_sub(self.manifold().map_or(0, |manifold| manifold.constraints()))
+    }
+
     /// The multipliers `λ` of the constraints in the motion through a state, one for each:
     /// `dp/dt = -∂H_0/∂q + f - Gᵀ λ` with `G = ∂g/∂q`, so that `d²g/dt² = 0`. For `g = (|q|² - l²)/2` of a rod,
     /// `λ l` is its tension. They are a function of the state, as exact as it; noise and a bath add

@@ -1,6 +1,7 @@
 //! The search for recorded times and crossings of sections between the nodes of a run.
 
 use crate::algebra::state::{State, Vector, copy_state};
+use crate::scheme::constraints::{Manifold, put_on};
 use crate::scheme::dense::DenseOutput;
 use crate::trajectory::recorded::Recorder;
 use crate::trajectory::recording::TimeInStep;
@@ -15,6 +16,8 @@ pub(crate) struct BetweenNodes<'s, 'a, V> {
     node: u64,
     /// A recorded state.
     room: State<V>,
+    /// The manifold on which states between nodes are.
+    manifold: Option<&'s dyn Manifold>,
 }
 
 /// A step, or a part of it.
@@ -30,14 +33,19 @@ pub(crate) struct StepPart<'p> {
 }
 
 impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
-    /// For a path that starts at this state.
-    pub(crate) fn new(sections: &'s Sections<'a, V>, start: &State<V>) -> Self {
+    /// For a path that starts at this state, on a manifold if there is one.
+    pub(crate) fn new(
+        sections: &'s Sections<'a, V>,
+        start: &State<V>,
+        manifold: Option<&'s dyn Manifold>,
+    ) -> Self {
         Self {
             sections,
             watch: SectionWatch::new(sections.functions(), start),
             before: start.clone(),
             node: 0,
             room: start.clone(),
+            manifold,
         }
     }
 
@@ -75,7 +83,7 @@ impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
 
     /// Looks into a step, or a part of it.
     pub(crate) fn search(&mut self, dense: &DenseOutput<V>, part: &StepPart<'_>, recorder: &mut Recorder<V>) {
-        let Self { sections, watch, room, .. } = self;
+        let Self { sections, watch, room, manifold, .. } = self;
         while let Some(moment) = recorder.next_inside().filter(|moment| moment.step == part.step) {
             let theta = dense.fraction(moment.t);
             if theta > 1.0 && !part.is_last {
@@ -84,11 +92,13 @@ impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
             let theta = theta.clamp(0.0, 1.0);
             dense.write(theta, room);
             room.t = moment.t;
+            put_on(*manifold, room);
             let later = |process: usize| part.later.get(process).copied().unwrap_or(0.0);
             recorder.keep_inside(room, |process| (1.0 - theta) * part.dw[process] + later(process));
         }
-        watch.follow(sections.functions(), dense, &mut |crossing| {
+        watch.follow(sections.functions(), dense, &mut |mut crossing| {
             if sections.want(&crossing) {
+                put_on(*manifold, &mut crossing.state);
                 recorder.cross(crossing);
             }
         });

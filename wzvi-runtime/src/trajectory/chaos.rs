@@ -26,8 +26,10 @@ mod indicators;
 mod spectrum;
 mod start;
 
+use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, wrong};
 use crate::increments::Noise;
+use crate::scheme::constraints::ManifoldPoint;
 use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::trajectory::simulate::{Simulation, Summation, Unobserved, UsualSums};
 
@@ -99,32 +101,43 @@ where
     }
 }
 
-/// The deviations of a run with this many degrees of freedom: `wanted` ones, of those that are given the
-/// first.
+/// The deviations of a run from this start: `wanted` ones, of those that are given the first. With constraints
+/// they are projected on the tangent space of the manifold.
 ///
 /// # Errors
 /// [`ConfigError::Setting`] for more than are independent, for fewer given ones, and for those that are none.
-pub(crate) fn chosen(
+pub(crate) fn chosen<H: Hamiltonian>(
+    system: &H,
+    start: &State<H::Vector>,
     given: Option<Vec<Vec<f64>>>,
     wanted: usize,
-    degrees: usize,
 ) -> Result<Vec<Vec<f64>>, ConfigError> {
-    let most = 2 * degrees;
+    let (q, p) = (start.q.components(), start.p.components());
+    let (length, most) = (2 * q.len(), 2 * system.degrees_left(q.len()));
     let number = given.as_ref().map_or(wanted, |given| given.len().max(wanted));
     if number > most {
         return wrong(format!(
-            "{number} deviations of a system with {degrees} degrees of freedom: at most {most} are independent"
+            "{number} deviations of a system with {} degrees of freedom: at most {most} are independent",
+            system.degrees_left(q.len())
         ));
     }
+    let tangent = |deviation: &mut Vec<f64>| {
+        if let Some(manifold) = system.manifold()
+            && deviation.len() == length
+        {
+            manifold.make_tangent(ManifoldPoint { q, p, t: start.t }, deviation);
+        }
+    };
     match given {
-        None => start::generic(wanted, most),
+        None => start::generic(wanted, length, tangent),
         Some(given) if given.len() < wanted => wrong(format!(
             "{wanted} deviations are needed, and {} are given: give more, or leave `deviations` out",
             given.len()
         )),
         Some(mut given) => {
             given.truncate(wanted);
-            start::checked(given, most)
+            given.iter_mut().for_each(tangent);
+            start::checked(given, length)
         }
     }
 }

@@ -268,19 +268,25 @@ macro_rules! options {
         /// Observes `kinetic temperature`, `p · ∂H/∂p / d`, and `configurational temperature`, `q · ∂H/∂q /
         /// d`, in units of energy, with the Hamiltonian of the path. Under the Gibbs measure their averages
         /// are the temperature, the second one if the system is confined. Where the temperatures of the
-        /// degrees of freedom differ, the run is an error: there is no one temperature.
+        /// degrees of freedom differ, the run is an error: there is no one temperature. With constraints `d` is
+        /// the number of degrees of freedom that are left, and there is the kinetic temperature alone.
         pub fn observe_temperatures(mut self) -> Self
         where
             H: Sync,
         {
             self.setup.span.asks_one_temperature = true;
-            self.observe_own("kinetic temperature", crate::trajectory::series::kinetic)
-                .observe_own("configurational temperature", crate::trajectory::series::configurational)
+            let is_free = self.setup.system.manifold().is_none();
+            let observing = self.observe_own("kinetic temperature", crate::trajectory::series::kinetic);
+            if !is_free {
+                return observing;
+            }
+            observing.observe_own("configurational temperature", crate::trajectory::series::configurational)
         }
 
         /// Observes the temperatures of each degree of freedom, numbered from 0: `kinetic temperature 0`,
         /// ..., `configurational temperature 0`, ... Their number is that of a system that knows its size, or
-        /// of the start, which is then given before.
+        /// of the start, which is then given before. With constraints the run is an error: momenta in a tangent
+        /// plane do not share the energy one by one.
         pub fn observe_equipartition(mut self) -> Self
         where
             H: Sync,
@@ -289,6 +295,7 @@ macro_rules! options {
             let of_start = |start: &crate::algebra::state::State<H::Vector>| crate::algebra::state::Vector::components(&start.q).len();
             let degrees = self.setup.span.start.value().map_or(system.degrees(), of_start);
             self.setup.span.was_asked_early |= degrees == 0;
+            self.setup.span.asks_shares = true;
             for i in 0..degrees {
                 self = self.observe_own(format!("kinetic temperature {i}"), move |system, state| {
                     crate::trajectory::series::kinetic_of(system, state, i)

@@ -34,6 +34,8 @@ pub(crate) struct RunSpan<V> {
     pub(crate) was_asked_early: bool,
     /// Whether one temperature of all degrees of freedom was asked for.
     pub(crate) asks_one_temperature: bool,
+    /// Whether the energy of each degree of freedom was asked for.
+    pub(crate) asks_shares: bool,
     /// Whether starts are projected on the manifold of the constraints from any distance.
     pub(crate) is_projected: bool,
 }
@@ -46,6 +48,7 @@ impl<V> Default for RunSpan<V> {
             is_whole: false,
             was_asked_early: false,
             asks_one_temperature: false,
+            asks_shares: false,
             is_projected: false,
         }
     }
@@ -221,6 +224,12 @@ impl<V: Vector> RunSpan<V> {
         {
             let (asked, instead) = ("observe_temperatures", "`observe_equipartition` has one for each");
             return Err(ConfigError::NoEquilibrium { asked, why, instead });
+        }
+        if self.asks_shares && system.manifold().is_some() {
+            return wrong(
+                "`observe_equipartition` of a system with constraints: momenta in a tangent plane do not share the energy one by one; \
+                 `observe_temperatures` has the kinetic temperature of all together",
+            );
         }
         let start = checked(system, self.start.checked(ONE_START)?, self.is_projected)?;
         let end = self.end.checked("a run has one end")?;

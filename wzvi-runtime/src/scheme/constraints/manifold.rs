@@ -8,9 +8,10 @@ use super::flows::{ConstrainedFlows, largest_ratio};
 use super::memory::ConstraintScratch;
 use super::{Constrained, ConstraintLayout, ConstraintRows};
 use crate::algebra::scalar::{Dual, Scalar};
+use crate::algebra::state::{State, Vector};
 use crate::algebra::state_sum::PlainSum;
 use crate::error::StepFailure;
-use crate::scheme::elements::{Elements, EvaluationPoint, field};
+use crate::scheme::elements::{Elements, EvaluationPoint, PairColumns, field};
 
 /// States farther away than this, relative to the terms of the constraints, are no mistake of rounding.
 pub(crate) const NEAR: f64 = 1e-6;
@@ -40,6 +41,27 @@ impl Distance {
     }
 }
 
+/// A state as lists.
+#[derive(Clone, Copy, Debug)]
+pub struct ManifoldPoint<'a> {
+    /// Coordinates.
+    pub q: &'a [f64],
+    /// Momenta.
+    pub p: &'a [f64],
+    /// Time.
+    pub t: f64,
+}
+
+/// Projects a state that a polynomial gave; it is NaN where that fails.
+pub(crate) fn put_on<V: Vector>(manifold: Option<&dyn Manifold>, state: &mut State<V>) {
+    let Some(manifold) = manifold else { return };
+    let State { q, p, t } = state;
+    if manifold.project(q.components_mut(), p.components_mut(), *t).is_err() {
+        q.components_mut().fill(f64::NAN);
+        p.components_mut().fill(f64::NAN);
+    }
+}
+
 /// The manifold of constraints of a system.
 pub trait Manifold {
     /// The number of constraints.
@@ -57,8 +79,13 @@ pub trait Manifold {
     /// `dp/dt = -∂H/∂q + f - Gᵀ λ`, where `d²g/dt² = 0`. `None` where `G W Gᵀ` is singular.
     fn multipliers(&self, q: &[f64], p: &[f64], t: f64) -> Option<Vec<f64>>;
 
-    /// Adds the forces `-Gᵀ λ` of the constraints.
-    fn add_forces(&self, q: &[f64], p: &[f64], t: f64, into: &mut [f64]);
+    /// Adds `-Gᵀ λ` to the rates of the momenta, so that motion with these rates of the coordinates, the momenta
+    /// and the time stays on the manifold; NaN where `G W Gᵀ` is singular.
+    fn constrain_rates(&self, state: ManifoldPoint<'_>, of_q: &[f64], of_p: &mut [f64], of_t: f64);
+
+    /// Projects a deviation of coordinates and momenta, one after the other in a list, on the tangent space of the
+    /// manifold at a state on it.
+    fn make_tangent(&self, state: ManifoldPoint<'_>, deviation: &mut [f64]);
 
     /// Why no step of this size ends on the manifold: the tangent leaves it farther than it curves.
     fn too_long(&self, q: &[f64], p: &[f64], t: f64, h: f64) -> Option<StepFailure>;
@@ -161,17 +188,47 @@ impl<F: Constrained> Manifold for F {
         if dependent::<F>(&mut scratch).is_some() {
             return None;
         }
-        Some(multipliers(self, &mut scratch, t).as_ref().to_vec())
+        let mut of_p = vec![0.0; q.len()];
+        let of_q: Vec<f64> = p.iter().zip(scratch.w.as_ref()).map(|(p, w)| w * p).collect();
+        let at = ([t, 1.0], [q, p], &[][..]);
+        field::<F, f64, true, false>((self, &[]), at, [&mut of_p, &mut []], &mut PairColumns::default());
+        let rate: f64 = if F::FACTS.kind.is_conformal { Elements::friction_rate(self, &[]) } else { 0.0 };
+        of_p.iter_mut().zip(p).for_each(|(slope, p)| *slope = -*slope - rate * p);
+        Some(impulse_rates(self, &mut scratch, t, &of_q, &of_p, 1.0).as_ref().to_vec())
     }
 
-    fn add_forces(&self, q: &[f64], p: &[f64], t: f64, into: &mut [f64]) {
+    fn constrain_rates(&self, state: ManifoldPoint<'_>, of_q: &[f64], of_p: &mut [f64], of_t: f64) {
+        let ManifoldPoint { q, p, t } = state;
         let mut scratch = scratch_at(self, q, p, t);
-        let is_singular = dependent::<F>(&mut scratch).is_some();
-        let lambda = multipliers(self, &mut scratch, t);
+        if dependent::<F>(&mut scratch).is_some() {
+            return of_p.fill(f64::NAN);
+        }
+        let lambda = impulse_rates(self, &mut scratch, t, of_q, of_p, of_t);
         let ConstraintScratch { pattern, here, force, .. } = &mut scratch;
         F::Layout::transposed_product(pattern, &here.jacobian, lambda.as_ref(), force.as_mut());
-        for (into, force) in into.iter_mut().zip(force.as_ref()) {
-            *into = if is_singular { f64::NAN } else { *into - force };
+        of_p.iter_mut().zip(force.as_ref()).for_each(|(rate, force)| *rate -= force);
+    }
+
+    fn make_tangent(&self, state: ManifoldPoint<'_>, deviation: &mut [f64]) {
+        let ManifoldPoint { q, p, t } = state;
+        let mut scratch = scratch_at(self, q, p, t);
+        let is_singular = dependent::<F>(&mut scratch).is_some();
+        let (of_q, of_p) = deviation.split_at_mut(q.len());
+        let ConstraintScratch { pattern, here, factors, w, force, corrections, .. } = &mut scratch;
+        let normal = corrections.as_mut();
+        F::Layout::product(pattern, &here.jacobian, of_q, normal);
+        F::Layout::solve(pattern, factors, normal);
+        F::Layout::transposed_product(pattern, &here.jacobian, normal, force.as_mut());
+        for ((x, force), w) in of_q.iter_mut().zip(force.as_ref()).zip(w.as_ref()) {
+            *x -= w * force;
+        }
+        // `G W p` stays zero along the deviation as it does along a motion with these rates.
+        let normal = impulse_rates(self, &mut scratch, t, of_q, of_p, 0.0);
+        let ConstraintScratch { pattern, here, force, .. } = &mut scratch;
+        F::Layout::transposed_product(pattern, &here.jacobian, normal.as_ref(), force.as_mut());
+        of_p.iter_mut().zip(force.as_ref()).for_each(|(x, force)| *x -= force);
+        if is_singular {
+            deviation.fill(f64::NAN);
         }
     }
 
@@ -205,25 +262,24 @@ impl<F: Constrained> Manifold for F {
     }
 }
 
-/// `λ` at the state of the scratch, whose `G W Gᵀ` is factored: the derivative of `c = G W p + ∂g/∂t` along
-/// the motion without constraints, by a dual number, is `G W Gᵀ λ`.
-fn multipliers<F: Constrained>(system: &F, scratch: &mut Scratch<F>, t: f64) -> Multipliers<f64, F::Layout> {
-    type Along = Dual<1>;
-    let ConstraintScratch { q, p, w, force, columns, .. } = &mut *scratch;
-    let (q, p, w) = (q.as_ref(), p.as_ref(), w.as_ref());
-    let at = ([t, 1.0], [q, p], &[][..]);
-    field::<F, f64, true, false>((system, &[]), at, [force.as_mut(), &mut []], columns);
-    if F::FACTS.kind.is_conformal {
-        let rate: f64 = Elements::friction_rate(system, &[]);
-        force.as_mut().iter_mut().zip(p).for_each(|(force, p)| *force += rate * p);
-    }
-    let along = |value: f64, derivative: f64| Along { value, derivative: [derivative] };
-    let moved_q: Vec<Along> = q.iter().zip(p).zip(w).map(|((q, p), w)| along(*q, w * p)).collect();
-    let moved_p: Vec<Along> = p.iter().zip(force.as_ref()).map(|(p, force)| along(*p, -force)).collect();
-    let there = scratch_at(system, &moved_q, &moved_p, along(t, 1.0));
-    let ConstraintScratch { pattern, here, p: moved, w: weights, .. } = &there;
-    let velocity: Vec<Along> = moved.as_ref().iter().zip(weights.as_ref()).map(|(p, w)| *w * *p).collect();
-    let mut rates = vec![Along::from_f64(0.0); Constrained::constraints(system)];
+/// `λ` at the state of the scratch, whose `G W Gᵀ` is factored, for motion with these rates without constraints:
+/// the derivative of `G W p + ∂g/∂t` along it, by a dual number, is `G W Gᵀ λ`.
+fn impulse_rates<F: Constrained>(
+    system: &F,
+    scratch: &mut Scratch<F>,
+    t: f64,
+    of_q: &[f64],
+    of_p: &[f64],
+    of_t: f64,
+) -> Multipliers<f64, F::Layout> {
+    let moved = |x: &[f64], rates: &[f64]| -> Vec<Dual<1>> {
+        x.iter().zip(rates).map(|(&value, &rate)| Dual { value, derivative: [rate] }).collect()
+    };
+    let (q, p) = (moved(scratch.q.as_ref(), of_q), moved(scratch.p.as_ref(), of_p));
+    let there: Scratch<F, Dual<1>> = scratch_at(system, &q, &p, Dual { value: t, derivative: [of_t] });
+    let ConstraintScratch { pattern, here, w, .. } = &there;
+    let velocity: Vec<Dual<1>> = p.iter().zip(w.as_ref()).map(|(&p, &w)| w * p).collect();
+    let mut rates = vec![Dual::<1>::from_f64(0.0); Constrained::constraints(system)];
     F::Layout::product(pattern, &here.jacobian, &velocity, &mut rates);
     let ConstraintScratch { pattern, factors, corrections, .. } = scratch;
     let lambda = corrections.as_mut();

@@ -15,6 +15,7 @@
 use super::slopes::{NodeWeights, RateCoefficients, legendre, weights};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector, copy_state};
+use crate::scheme::constraints::ManifoldPoint;
 use crate::scheme::system::{Gradient, Hamiltonian};
 
 /// The Lobatto points of a step, and the projection of the rates there to coefficients.
@@ -161,7 +162,7 @@ fn project<V: Vector>(
     }
 }
 
-/// `du/dθ = J∇F` at a state, plus forces and friction.
+/// `du/dθ = J∇F` at a state, plus forces, friction and constraints.
 fn rate<H: Hamiltonian>(
     system: &H,
     at: &State<H::Vector>,
@@ -190,6 +191,9 @@ fn rate<H: Hamiltonian>(
     if H::KIND.is_conformal {
         let gamma = system.friction_rate();
         of_p.iter_mut().zip(p).for_each(|(rate, p)| *rate -= h * gamma * p);
+    }
+    if let Some(manifold) = system.manifold() {
+        manifold.constrain_rates(ManifoldPoint { q, p, t: at.t }, of_q, of_p, h);
     }
 }
 

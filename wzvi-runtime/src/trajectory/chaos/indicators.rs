@@ -171,14 +171,15 @@ where
         let mut bare = run.bare("indicators", true)?;
         let (start, grid) = (bare.start.clone(), bare.grid);
         let degrees = start.q.components().len();
-        let number = given.as_ref().map_or(COLUMNS.min(2 * degrees), Vec::len);
+        let number = given.as_ref().map_or(COLUMNS.min(2 * bare.system.degrees_left(degrees)), Vec::len);
         if number < 2 {
             return wrong("`indicators` of one deviation: SALI compares two, so give two or more");
         }
         if grid.steps == 0 {
             return wrong("`indicators` of a run without steps: run to a later end");
         }
-        let mut frame = Frame::new(bare.system, bare.h, &start, &chosen(given, number, degrees)?)?;
+        let mut frame =
+            Frame::new(bare.system, bare.h, &start, &chosen(bare.system, &bare.start, given, number)?)?;
         let mut growth = Growth::<f64>::new();
         let mut series = stride.map(|_| IndicatorSeries::default());
         let mut last = (f64::NAN, Vec::new());

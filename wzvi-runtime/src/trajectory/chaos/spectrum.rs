@@ -25,6 +25,7 @@ use crate::error::wrong;
 use crate::ground::digits::estimate;
 use crate::increments::Noise;
 use crate::saving::table::{Table, TableRows};
+use crate::scheme::constraints::put_on;
 use crate::scheme::system::Discretized;
 use crate::trajectory::Error;
 use crate::trajectory::series::BatchMeans;
@@ -60,7 +61,7 @@ pub struct Spectrum {
     /// with friction of one rate; `None` for fewer than all exponents, and for other systems.
     pub pair_defect: Option<f64>,
     /// `Σλ` minus what it is: 0 for symplectic steps, `-d γ` with friction of one rate `γ`. It is zero to
-    /// rounding; `None` as for `pair_defect`.
+    /// rounding; `None` as for `pair_defect`, and with constraints, where the sum goes to that like `1/T`.
     pub sum_defect: Option<f64>,
     /// The length of the run, in units of time.
     pub time: f64,
@@ -171,21 +172,23 @@ where
         let Self { run, given, copies } = self;
         let mut bare = run.bare("lyapunov", true)?;
         let degrees = bare.start.q.components().len();
-        let number = number.unwrap_or(2 * degrees);
+        let number = number.unwrap_or(2 * bare.system.degrees_left(degrees));
         if number == 0 {
             return wrong("`lyapunov` of no deviations: ask for one exponent or more");
         }
         if bare.grid.steps == 0 {
             return wrong("`lyapunov` of a run without steps: run to a later end");
         }
-        let deviations = chosen(given, number, degrees)?;
+        let deviations = chosen(bare.system, &bare.start, given, number)?;
         let (start, is_driven) = (bare.start.clone(), bare.is_driven());
         bare.runs = 1 + u64::from(copies);
         let path = Stretching::of(&mut bare, start.clone(), &deviations, stride, None)?;
         let mut others = Vec::new();
         for copy in 0..u64::from(copies) {
             let start = if !is_driven {
-                displaced(&start, copy, path.sizes)
+                let mut start = displaced(&start, copy, path.sizes);
+                put_on(bare.system.manifold(), &mut start);
+                start
             } else if bare.skip_paths(PATHS)? {
                 start.clone()
             } else {
@@ -359,7 +362,8 @@ fn spectrum<H: Discretized<E>, E, N: Noise, C: StateSum<f64>>(
     others: &[Stretching],
     is_driven: bool,
 ) -> Spectrum {
-    let (system, grid, degrees) = (bare.system, bare.grid, bare.start.q.components().len());
+    let (system, grid) = (bare.system, bare.grid);
+    let degrees = system.degrees_left(bare.start.q.components().len());
     let time = (grid.time(grid.steps) - grid.start).abs();
     let mut columns: Vec<usize> = (0..path.last().len()).collect();
     columns.sort_by(|a, b| path.last()[*b].total_cmp(&path.last()[*a]));
@@ -383,6 +387,8 @@ fn spectrum<H: Discretized<E>, E, N: Noise, C: StateSum<f64>>(
     };
     let kind = H::KIND;
     let has_pairs = H::PROPERTIES.is_variational && !kind.is_forced && !kind.has_noise_forces;
+    // Lengths in the space around a manifold do not measure its volume: the sum is zero up to 1/T.
+    let is_flat = system.manifold().is_none();
     let is_known = has_pairs && values.len() == 2 * degrees;
     let sum: f64 = values.iter().sum();
     let rate = if kind.is_conformal { system.friction_rate() * bare.h.signum() } else { 0.0 };
@@ -390,7 +396,7 @@ fn spectrum<H: Discretized<E>, E, N: Noise, C: StateSum<f64>>(
     Spectrum {
         pair_defect: is_known
             .then(|| pairs.map(|(a, b)| (a + b - sum / degrees as f64).abs()).fold(0.0, f64::max)),
-        sum_defect: is_known.then_some(sum + degrees as f64 * rate),
+        sum_defect: (is_known && is_flat).then_some(sum + degrees as f64 * rate),
         values,
         errors,
         time,

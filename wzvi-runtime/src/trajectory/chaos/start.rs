@@ -3,9 +3,14 @@
 use super::frame::{dot, orthogonalise};
 use crate::error::{ConfigError, wrong};
 
-/// Orthonormal deviations in directions without symmetry.
-pub(super) fn generic(number: usize, length: usize) -> Result<Vec<Vec<f64>>, ConfigError> {
-    let list = (0..number).map(|k| direction(k as u64, length)).collect();
+/// Orthonormal deviations in directions without symmetry, after a projection.
+pub(super) fn generic(
+    number: usize,
+    length: usize,
+    project: impl FnMut(&mut Vec<f64>),
+) -> Result<Vec<Vec<f64>>, ConfigError> {
+    let mut list: Vec<Vec<f64>> = (0..number).map(|k| direction(k as u64, length)).collect();
+    list.iter_mut().for_each(project);
     let mut deviations = checked(list, length)?;
     for k in 0..number {
         let (before, [deviation, ..]) = deviations.split_at_mut(k) else { continue };
@@ -84,7 +89,7 @@ mod tests {
     #[test]
     fn generic_deviations_are_orthonormal_and_full() {
         for (number, length) in [(1, 2), (2, 2), (4, 4), (6, 6), (4, 2000)] {
-            let deviations = generic(number, length).unwrap();
+            let deviations = generic(number, length, |_| {}).unwrap();
             for (i, a) in deviations.iter().enumerate() {
                 assert!(a.iter().all(|x| x.abs() > 1e-6 / (length as f64).sqrt()));
                 for (j, b) in deviations.iter().enumerate() {

@@ -44,7 +44,7 @@ impl Share {
 /// How the energy is shared among the degrees of freedom, and in all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equipartition {
-    /// `⟨p_i ∂H/∂p_i⟩`
+    /// `⟨p_i ∂H/∂p_i⟩`; empty with constraints.
     pub kinetic: Vec<Share>,
     /// `⟨q_i ∂H/∂q_i⟩`
     pub configurational: Vec<Share>,
@@ -74,19 +74,25 @@ impl fmt::Display for Equipartition {
 }
 
 /// `x · y / d`
-fn shared(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>() / x.len() as f64
+fn shared(x: &[f64], y: &[f64], degrees: usize) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>() / degrees as f64
 }
 
-/// `p · ∂H/∂p / d`, whose average is the kinetic temperature (energy units): an observable.
+/// `p · ∂H/∂p / d`, whose average is the kinetic temperature (energy units): an observable. `d` is the number
+/// of degrees of freedom that constraints leave.
 pub(crate) fn kinetic<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> f64 {
-    shared(state.p.components(), system.energy_gradient(state).p.components())
+    let degrees = system.degrees_left(state.p.components().len());
+    shared(state.p.components(), system.energy_gradient(state).p.components(), degrees)
 }
 
 /// `q · ∂H/∂q / d`, whose average is the configurational temperature where the system is confined: an
-/// observable.
+/// observable. NaN with constraints, where it is not.
 pub(crate) fn configurational<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> f64 {
-    shared(state.q.components(), system.energy_gradient(state).q.components())
+    if system.manifold().is_some() {
+        return f64::NAN;
+    }
+    let degrees = state.q.components().len();
+    shared(state.q.components(), system.energy_gradient(state).q.components(), degrees)
 }
 
 /// `p_i ∂H/∂p_i`
@@ -105,32 +111,45 @@ fn product_at<V: Vector>(x: &V, slope: &V, i: usize) -> f64 {
 }
 
 impl<V: Vector, E> Trajectory<V, E> {
-    /// The temperatures of all degrees of freedom, by averages over the recorded nodes.
+    /// The temperatures of all degrees of freedom, by averages over the recorded nodes. With constraints only the
+    /// kinetic temperature of all together, over the degrees of freedom that are left: momenta in a tangent
+    /// plane do not share the energy one by one.
     pub fn equipartition<H: Discretized<E, Vector = V>>(&self, system: &H) -> Equipartition {
         let degrees = self.last().q.components().len();
         let lists = || vec![BatchMeans::new(); degrees];
-        let (mut kinetic, mut configurational, mut all) =
-            (lists(), lists(), [BatchMeans::new(), BatchMeans::new()]);
+        let (mut kinetic_by_degree, mut configurational_by_degree) = (lists(), lists());
+        let [mut of_momenta, mut of_coordinates] = [BatchMeans::new(), BatchMeans::new()];
         for state in self.iter() {
             let gradient = system.energy_gradient(state);
-            let halves =
-                [(&mut kinetic, &state.p, &gradient.p), (&mut configurational, &state.q, &gradient.q)];
-            for ((batches, x, slope), all) in halves.into_iter().zip(&mut all) {
-                let (x, slope) = (x.components(), slope.components());
-                for ((batches, x), slope) in batches.iter_mut().zip(x).zip(slope) {
+            let halves = [
+                (&mut kinetic_by_degree, &state.p, &gradient.p),
+                (&mut configurational_by_degree, &state.q, &gradient.q),
+            ];
+            for (batches, x, slope) in halves {
+                for ((batches, x), slope) in batches.iter_mut().zip(x.components()).zip(slope.components()) {
                     batches.add(x * slope);
                 }
-                all.add(shared(x, slope));
             }
+            of_momenta.add(kinetic(system, state));
+            of_coordinates.add(configurational(system, state));
         }
         let shares = |batches: &[BatchMeans]| batches.iter().map(Share::of).collect();
-        let [kinetic_temperature, configurational_temperature] = match H::PROPERTIES.has_temperatures {
-            true => [Share::NONE; 2],
-            false => all.each_ref().map(Share::of),
-        };
+        let (mut kinetic_temperature, mut configurational_temperature) =
+            (Share::of(&of_momenta), Share::of(&of_coordinates));
+        if H::PROPERTIES.has_temperatures {
+            (kinetic_temperature, configurational_temperature) = (Share::NONE, Share::NONE);
+        }
+        if system.manifold().is_some() {
+            return Equipartition {
+                kinetic: Vec::new(),
+                configurational: Vec::new(),
+                kinetic_temperature,
+                configurational_temperature: Share::NONE,
+            };
+        }
         Equipartition {
-            kinetic: shares(&kinetic),
-            configurational: shares(&configurational),
+            kinetic: shares(&kinetic_by_degree),
+            configurational: shares(&configurational_by_degree),
             kinetic_temperature,
             configurational_temperature,
         }

@@ -49,7 +49,8 @@ where
             poles::check::<H, E>(system, &start, h, &|h| noise.largest_increment(h))?;
         }
         let looks_inside = !sections.is_empty() || !recording.between.is_empty();
-        let between = || looks_inside.then(|| Box::new(BetweenNodes::new(&sections, &start)));
+        let between =
+            || looks_inside.then(|| Box::new(BetweenNodes::new(&sections, &start, system.manifold())));
         let records = || Recorder::new(&start, h, processes, &recording, grid.steps);
         let is_shown = O::LOOKS && !O::AVERAGES;
         let has_sums = is_shown || keeping.is_set() || looks_inside;
