@@ -73,9 +73,7 @@ pub use role::{Role, WeightedRole};
 pub(crate) use step::nothing;
 pub use sums::{AdjacentSums, ElementInput, Sums, disjoint_placements, stretch};
 pub(crate) use tiles::{BLOCK, MOST_IN_ONE_TILE};
-pub use tiles::{
-    Flow, ForceArguments, KickForm, LEAST_IN_TILES, Move, NewState, TileParts, TilePlan, take_tiles,
-};
+pub use tiles::{Flow, ForceArguments, LEAST_IN_TILES, NewState, TileParts, TilePlan, take_tiles};
 
 use std::ops::Range;
 

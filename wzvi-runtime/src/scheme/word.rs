@@ -42,6 +42,17 @@ impl Part {
     pub(crate) const fn is_kick(self) -> bool {
         matches!(self, Self::B | Self::GradientB(_))
     }
+
+    /// Whether it changes the coordinates.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) const fn drifts(self) -> bool {
+        matches!(self, Self::A | Self::AOA)
+    }
+
+    /// The weight with the sign of the derivatives that it adds to the state.
+    const fn signed(self, weight: f64) -> f64 {
+        if self.is_kick() { -weight } else { weight }
+    }
 }
 
 /// The kinds of parts that words can have: flows of a splitting, or steps of schemes that are composed.
@@ -75,7 +86,7 @@ impl PartKind for Part {
     }
 
     fn share(self, weight: f64) -> f64 {
-        if self.is_kick() { -weight } else { weight }
+        self.signed(weight)
     }
 
     /// O parts before the first and after the last flow change momenta alone, so that the force stays.
@@ -167,10 +178,10 @@ impl<P> Substep<P> {
     }
 }
 
-impl<P: PartKind> Substep<P> {
+impl Substep {
     /// A part with its place in a word; its force is used once.
-    pub(crate) fn new(part: P, weight: f64, node: f64, number: usize) -> Self {
-        Self { part, weight, share: part.share(weight), node, number, force: ForceUse::Once }
+    pub(crate) const fn new(part: Part, weight: f64, node: f64, number: usize) -> Self {
+        Self { part, weight, share: part.signed(weight), node, number, force: ForceUse::Once }
     }
 }
 
@@ -219,7 +230,8 @@ impl<P: PartKind> Word<P> {
                 node += before.weight;
             }
         }
-        self.substeps.push(Substep::new(part, weight, node, number));
+        let (share, force) = (part.share(weight), ForceUse::Once);
+        self.substeps.push(Substep { part, weight, share, node, number, force });
     }
 }
 

@@ -68,7 +68,7 @@ fn stage(stage: &Stage) -> TokenStream {
     }
 }
 
-/// Flows of large systems, window by window.
+/// Flows of large systems, tile by tile.
 pub(crate) fn in_tiles() -> TokenStream {
     let f64 = quote!(__wzvi::f64);
     quote! {

@@ -7,8 +7,8 @@ use crate::algebra::scalar::Number;
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::bath::OPartsByPlace;
 use crate::scheme::elements::{
-    ElementInput, Elements, Flow, ForceArguments, KickForm, MOST_IN_ONE_TILE, Move, NewState, Partials, Sums,
-    TileParts, TilePlan, add_flow,
+    ElementInput, Elements, Flow, ForceArguments, MOST_IN_ONE_TILE, NewState, Partials, Sums, TileParts,
+    TilePlan, add_flow,
 };
 use crate::scheme::gauss::Field;
 use crate::scheme::system::check_lengths;
@@ -130,50 +130,37 @@ struct FlowsInTiles<'a, const RELAXES: bool, const CARRIES: bool> {
 impl<const RELAXES: bool, const CARRIES: bool> FlowsInTiles<'_, RELAXES, CARRIES> {
     /// The flow of a kick or a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn flow(&self, number: usize) -> Flow<'_, f64> {
-        let Substep { share, node, .. } = self.substeps[number];
+    fn flow(&self, &Substep { share, node, .. }: &Substep) -> Flow<'_, f64> {
         let dw = self.scaled.iter().find(|scaled| scaled.share == share).map_or(&[][..], |scaled| &scaled.dw);
         Flow { t: self.t + node * self.h, h: self.stretch * share * self.h, parameters: &[], dw }
     }
 }
 
 impl<const RELAXES: bool, const CARRIES: bool> TileParts for FlowsInTiles<'_, RELAXES, CARRIES> {
-    const CHANGES: bool = RELAXES;
+    const RELAXES: bool = RELAXES;
     const CARRIES: bool = CARRIES;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count(&self) -> usize {
-        self.substeps.len()
+    fn substeps(&self) -> &[Substep] {
+        self.substeps
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn kind(&self, number: usize) -> Move {
-        let Substep { part, force, .. } = self.substeps[number];
-        match part {
-            Part::A => Move::Drift,
-            Part::O => Move::Momenta,
-            Part::AOA => Move::State,
-            Part::B | Part::GradientB(_) if force.is_at_end() => Move::Kick(KickForm::Plus),
-            Part::B | Part::GradientB(_) => Move::Kick(KickForm::Terms),
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn origin(&self, number: usize) -> Option<ForceArguments> {
-        let Flow { t, h, dw, .. } = self.flow(number);
-        let is_kept = self.substeps[number].force.is_at_end() && dw.is_empty();
+    fn origin(&self, kick: &Substep) -> Option<ForceArguments> {
+        let Flow { t, h, dw, .. } = self.flow(kick);
+        let is_kept = kick.force.is_at_end() && dw.is_empty();
         is_kept.then(|| ForceArguments { t: self.reads_time.then_some(t), h })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_gradient<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Partials, into: &mut A)
+    fn add_gradient<H, T, V, A>(&self, system: &H, flow: &Substep, state: &V, wanted: Partials, into: &mut A)
     where
         H: Elements + Sync,
         T: Number<f64>,
         V: ElementInput<f64> + ?Sized,
         A: Sums<f64>,
     {
-        add_flow::<H, f64, T, V, A>(system, self.flow(number), state, wanted, into);
+        add_flow::<H, f64, T, V, A>(system, self.flow(flow), state, wanted, into);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -182,19 +169,26 @@ impl<const RELAXES: bool, const CARRIES: bool> TileParts for FlowsInTiles<'_, RE
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64], lost: &mut [f64]) {
-        if let (Substep { part: Part::O, number, .. }, Some(relaxing)) =
-            (self.substeps[number], &self.relaxing)
-        {
-            relaxing.apply::<CARRIES>(number, places, None, p, lost);
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_state(&self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
-        let Substep { part, weight, number, .. } = self.substeps[number];
-        if let (Part::AOA, Some(relaxing)) = (part, &self.relaxing) {
-            relaxing.apply::<false>(number, places, Some((self.stretch * weight * self.h, q)), p, &mut []);
+    fn relax(
+        &self,
+        &Substep { part, weight, number, .. }: &Substep,
+        places: Range<usize>,
+        q: &mut [f64],
+        p: &mut [f64],
+        lost: &mut [f64],
+    ) {
+        match (part, &self.relaxing) {
+            (Part::O, Some(relaxing)) => relaxing.apply::<CARRIES>(number, places, None, p, lost),
+            (Part::AOA, Some(relaxing)) => {
+                relaxing.apply::<false>(
+                    number,
+                    places,
+                    Some((self.stretch * weight * self.h, q)),
+                    p,
+                    &mut [],
+                );
+            }
+            _ => {}
         }
     }
 }

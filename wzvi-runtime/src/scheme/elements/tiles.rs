@@ -7,11 +7,12 @@
 //! P[i] = p[i] - (Σ ∂V/∂q)[i],   q'[i] = q[i] + (Σ ∂T/∂p)(P)[i]
 //! ```
 //!
-//! A step is a sequence of such [rounds](order): one for `DeltaPlus`, two for `Verlet`. The new state is
-//! written to separate vectors, as neighbours still read the old one, and replaces it once all of it is known
-//! to be finite. Every loop runs over adjacent entries without branches, so that it is vectorised. Each sum
-//! gets its terms in the order of one pass over all placements, no operation is fused and no sum is split, so
-//! that the bits depend neither on tiles nor on instructions.
+//! This is the executor of words (`scheme/word.rs`) for large systems. A word is a sequence of rounds: one
+//! for `DeltaPlus`, two for `Verlet`; [`wavefront`] orders those of all tiles. The new state is written to
+//! separate vectors, as neighbours still read the old one, and replaces it once all of it is known to be
+//! finite. Every loop runs over adjacent entries without branches, so that it is vectorised. Each sum gets
+//! its terms in the order of one pass over all placements, no operation is fused and no sum is split, so that
+//! the bits depend neither on tiles nor on instructions.
 
 mod check;
 mod explicit;
@@ -26,7 +27,7 @@ mod wavefront;
 use std::ops::Range;
 
 pub(super) use explicit::takes_tiles;
-pub use parts::{Flow, ForceArguments, KickForm, Move, TileParts, take_tiles};
+pub use parts::{Flow, ForceArguments, TileParts, take_tiles};
 pub(super) use sweep::TiledSweeps;
 
 use layout::{PlacementRecorder, Tiling};
@@ -41,6 +42,7 @@ use crate::algebra::state_sum::StateSum;
 use crate::algebra::threads::Threads;
 use crate::error::StepFailure;
 use crate::scheme::system::Movable;
+use crate::scheme::word::{Part, Substep};
 
 /// Degrees of freedom from which steps other than those of kicks and drifts go tile by tile; a smaller system
 /// is a single tile anyway.
@@ -105,7 +107,7 @@ impl TilePlan {
 #[derive(Debug)]
 struct TiledStep {
     tiles: Tiling,
-    /// The moves of each round.
+    /// The parts of each round.
     rounds: Vec<Range<usize>>,
     /// The rounds that each thread takes independently of the others; empty for a single thread.
     shares: Vec<ThreadRounds>,
@@ -145,20 +147,17 @@ impl Kernel for IsSame<'_> {
     }
 }
 
-/// The moves of each round: a kick after a drift begins a new one.
-fn rounds(word: &impl TileParts) -> Vec<Range<usize>> {
+/// The parts of each round: a kick after a drift begins a new one.
+fn rounds(substeps: &[Substep]) -> Vec<Range<usize>> {
     let (mut rounds, mut start, mut has_drifted) = (Vec::new(), 0, false);
-    for number in 0..word.count() {
-        match word.kind(number) {
-            Move::Kick(_) if has_drifted => {
-                rounds.push(start..number);
-                (start, has_drifted) = (number, false);
-            }
-            Move::Drift | Move::State => has_drifted = true,
-            Move::Kick(_) | Move::Momenta => {}
+    for (number, substep) in substeps.iter().enumerate() {
+        if substep.part.is_kick() && has_drifted {
+            rounds.push(start..number);
+            (start, has_drifted) = (number, false);
         }
+        has_drifted |= substep.part.drifts();
     }
-    rounds.push(start..word.count());
+    rounds.push(start..substeps.len());
     rounds
 }
 
@@ -174,21 +173,22 @@ impl TiledStep {
     ) -> Self {
         let (degrees, recorder) = (q.len(), PlacementRecorder::default());
         for (state, wanted) in [(q, Partials::BY_COORDINATES), (p, Partials::BY_MOMENTA)] {
-            let adds = |&number: &usize| match word.kind(number) {
-                Move::Kick(_) => wanted.by_q,
-                Move::Drift => wanted.by_p,
-                Move::Momenta | Move::State => false,
+            let adds = |substep: &&Substep| match substep.part {
+                Part::B | Part::GradientB(_) => wanted.by_q,
+                Part::A => wanted.by_p,
+                Part::O | Part::AOA => false,
             };
             // The first kick of a scheme may add nothing.
-            if let Some(number) = (0..word.count()).rev().find(adds) {
-                word.add_gradient::<H, f64, _, _>(system, number, state, wanted, &mut &recorder);
+            if let Some(flow) = word.substeps().iter().rfind(adds) {
+                word.add_gradient::<H, f64, _, _>(system, flow, state, wanted, &mut &recorder);
             }
         }
         let tiles = Tiling::new(degrees, SIZE, recorder);
-        let rounds = rounds(word);
+        let rounds = rounds(word.substeps());
         let (shares, rest) = Self::shares(&tiles, rounds.len(), threads.number(degrees / LEAST_OF_THREAD));
         let list = |is_needed: bool| vec![0.0; if is_needed { degrees } else { 0 }];
-        let is_kept = degrees <= MOST_KEPT && (0..word.count()).any(|number| word.origin(number).is_some());
+        let is_kept =
+            degrees <= MOST_KEPT && word.substeps().iter().any(|substep| word.origin(substep).is_some());
         Self {
             coordinates: [list(true), list(rounds.len() > 2)],
             momenta: list(true),
@@ -225,14 +225,14 @@ impl TiledStep {
         let carries = !self.lost[0].is_empty();
         self.degrees() == degrees
             && carries == W::CARRIES
-            && self.rounds.last().is_some_and(|last| last.end == word.count())
+            && self.rounds.last().is_some_and(|last| last.end == word.substeps().len())
     }
 
     /// The index of the list with the new coordinates: only the last round may be without a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn last(&self, word: &impl TileParts) -> usize {
-        let drifts = |number| !matches!(word.kind(number), Move::Kick(_) | Move::Momenta);
-        let last_drifts = self.rounds.last().is_some_and(|last| last.clone().any(drifts));
+        let drifts = |last: &Range<usize>| word.substeps()[last.clone()].iter().any(|s| s.part.drifts());
+        let last_drifts = self.rounds.last().is_some_and(drifts);
         (self.rounds.len() + usize::from(last_drifts)) % 2
     }
 
@@ -240,7 +240,7 @@ impl TiledStep {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn reuses(&mut self, word: &impl TileParts, q: &[f64]) -> bool {
         let Some(known) = self.kept.origin.take() else { return false };
-        let first = self.rounds[0].clone().find_map(|number| word.origin(number));
+        let first = word.substeps()[self.rounds[0].clone()].iter().find_map(|substep| word.origin(substep));
         first == Some(known) && self.instructions.run(IsSame(&self.kept.q, q))
     }
 
@@ -345,7 +345,7 @@ fn advance<'p, H: Elements + Sync, W: TileParts>(
     if !plan.kept.q.is_empty()
         && let Some(last) = plan.rounds.last()
     {
-        plan.kept.origin = last.clone().find_map(|number| word.origin(number));
+        plan.kept.origin = word.substeps()[last.clone()].iter().find_map(|substep| word.origin(substep));
     }
     let last = plan.last(&word);
     Ok(NewState { q: &mut plan.coordinates[last], p: &mut plan.momenta, lost: &mut plan.lost })

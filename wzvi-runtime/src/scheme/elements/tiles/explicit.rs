@@ -1,12 +1,13 @@
-//! The moves of a scheme with one quadrature point at a node.
+//! The word of a scheme with one quadrature point at a node.
 
-use super::{KickForm, LEAST_IN_TILES, Move, NewState, TileParts, TilePlan, advance};
+use super::{LEAST_IN_TILES, NewState, TileParts, TilePlan, advance};
 use crate::algebra::scalar::Number;
 use crate::error::StepFailure;
 use crate::scheme::elements::step::LoopStep;
 use crate::scheme::elements::{
     ElementInput, Elements, MomentumUpdate, Partials, Quadrature, QuadraturePoint, Sums, Unknowns,
 };
+use crate::scheme::word::{Part, Substep};
 
 /// Whether steps of a system of this size go tile by tile.
 ///
@@ -30,6 +31,16 @@ fn kicks_last(scheme: &Quadrature) -> bool {
     let is_last = |stage: &QuadraturePoint| stage.start == 0.0 && (stage.end == 1.0 && stage.point == 1.0);
     scheme.update == MomentumUpdate::Slopes && scheme.stages.iter().all(is_last)
 }
+
+/// `DeltaPlus`.
+const KICK_DRIFT: [Substep; 2] = [Substep::new(Part::B, 1.0, 0.0, 0), Substep::new(Part::A, 1.0, 0.0, 0)];
+
+/// `DeltaMinus`. Its first kick is by the weight that its quadrature points have in `D_1 L_d`, which is zero.
+const NOTHING_DRIFT_KICK: [Substep; 3] = [
+    Substep::new(Part::B, 0.0, 0.0, 0),
+    Substep::new(Part::A, 1.0, 0.0, 0),
+    Substep::new(Part::B, 1.0, 1.0, 1),
+];
 
 impl<H: Elements + Sync> LoopStep<'_, H, f64> {
     /// The step, tile by tile.
@@ -78,13 +89,8 @@ impl<H: Elements + Sync> TileParts for CompensatedWord<'_, H> {
     const CARRIES: bool = true;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count(&self) -> usize {
-        self.step.count()
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn kind(&self, number: usize) -> Move {
-        self.step.kind(number)
+    fn substeps(&self) -> &[Substep] {
+        self.step.substeps()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -93,47 +99,37 @@ impl<H: Elements + Sync> TileParts for CompensatedWord<'_, H> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_gradient<G, T, V, A>(&self, system: &G, number: usize, state: &V, wanted: Partials, into: &mut A)
+    fn add_gradient<G, T, V, A>(&self, system: &G, flow: &Substep, state: &V, wanted: Partials, into: &mut A)
     where
         G: Elements + Sync,
         T: Number<f64>,
         V: ElementInput<f64> + ?Sized,
         A: Sums<f64>,
     {
-        self.step.add_gradient::<G, T, V, A>(system, number, state, wanted, into);
+        self.step.add_gradient::<G, T, V, A>(system, flow, state, wanted, into);
     }
 }
 
 impl<H: Elements + Sync> TileParts for LoopStep<'_, H, f64> {
     const ADDS_TERMS: bool = false;
 
-    /// Kick and drift. If the scheme kicks last, the first kick adds nothing and a kick follows the drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count(&self) -> usize {
-        if kicks_first(self.scheme) { 2 } else { 3 }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn kind(&self, number: usize) -> Move {
-        match number {
-            0 => Move::Kick(KickForm::Minus),
-            1 => Move::Drift,
-            _ => Move::Kick(KickForm::MinusFromZero),
-        }
+    fn substeps(&self) -> &[Substep] {
+        if kicks_first(self.scheme) { &KICK_DRIFT } else { &NOTHING_DRIFT_KICK }
     }
 
     /// Uses the system of the step, not the argument.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_gradient<G, T, V, A>(&self, _: &G, number: usize, state: &V, wanted: Partials, into: &mut A)
+    fn add_gradient<G, T, V, A>(&self, _: &G, flow: &Substep, state: &V, wanted: Partials, into: &mut A)
     where
         G: Elements + Sync,
         T: Number<f64>,
         V: ElementInput<f64> + ?Sized,
         A: Sums<f64>,
     {
-        let weight_of = |stage: &QuadraturePoint| match number {
-            0 => stage.start,
-            1 => 1.0,
+        let weight_of = |stage: &QuadraturePoint| match flow {
+            Substep { part: Part::A, .. } => 1.0,
+            Substep { number: 0, .. } => stage.start,
             _ => stage.end,
         };
         self.gradient_of::<T, V, A>(weight_of, state, wanted, into);

@@ -1,4 +1,4 @@
-//! The executor of words that moves tiles: kicks, drifts, and moves of single sites.
+//! The parts of a word, as they move tiles.
 
 use std::ops::Range;
 
@@ -6,6 +6,7 @@ use super::{NewState, TilePlan, advance};
 use crate::algebra::scalar::{Number, Scalar};
 use crate::error::StepFailure;
 use crate::scheme::elements::{ElementInput, Elements, Partials, Sums};
+use crate::scheme::word::Substep;
 
 /// A flow of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, or of a part of it, as the force or the velocity
 /// that it adds.
@@ -37,58 +38,30 @@ impl PartialEq for ForceArguments {
     }
 }
 
-/// How the derivatives by the coordinates of a site, summed or one by one, are added to its momentum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum KickForm {
-    /// `p - sum`
-    Minus,
-    /// `p + (0 - sum)`
-    MinusFromZero,
-    /// `p + sum`, where [`TileParts::ADDS_TERMS`]
-    Plus,
-    /// `((p + term) + term) + ...`, where [`TileParts::ADDS_TERMS`]
-    Terms,
-}
-
-/// A move of every site.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Move {
-    /// Adds forces to momenta.
-    Kick(KickForm),
-    /// Adds velocities to coordinates: their sum, or term by term where [`TileParts::ADDS_TERMS`].
-    Drift,
-    /// [`TileParts::change_momenta`]
-    Momenta,
-    /// [`TileParts::change_state`]
-    State,
-}
-
-/// The parts of a step, which move the state one after the other, on several threads at once: each has its
-/// own places.
+/// How the parts of a word move tiles, on several threads at once: each has its own places.
 pub trait TileParts: Copy + Send + Sync {
-    /// Whether derivatives have the sign with which they are added.
+    /// Whether derivatives have the sign with which they are added. If not, the first kick is `p - sum` and a
+    /// later one `p + (0 - sum)`.
     const ADDS_TERMS: bool = true;
-    /// Whether there are parts other than kicks and drifts, and possibly several drifts between two kicks.
-    const CHANGES: bool = false;
+    /// Whether there are O parts, and possibly several drifts between two kicks.
+    const RELAXES: bool = false;
     /// Whether sums are compensated, of kicks and drifts with `p + sum` and `q + sum` alone.
     const CARRIES: bool = false;
 
-    /// Number of parts.
-    fn count(&self) -> usize;
-
-    /// The kind of a part.
-    fn kind(&self, number: usize) -> Move;
+    /// The parts of the word.
+    fn substeps(&self) -> &[Substep];
 
     /// The arguments of the force of a kick other than the coordinates, if the kick is at an end of the step,
     /// where the force may be reused.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn origin(&self, number: usize) -> Option<ForceArguments> {
-        let _ = number;
+    fn origin(&self, kick: &Substep) -> Option<ForceArguments> {
+        let _ = kick;
         None
     }
 
-    /// Adds the derivatives by `state`: the coordinates for a kick, the momenta for a drift.
-    fn add_gradient<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Partials, into: &mut A)
+    /// Adds the derivatives by `state` of a kick or a drift: the coordinates for a kick, the momenta for a
+    /// drift.
+    fn add_gradient<H, T, V, A>(&self, system: &H, flow: &Substep, state: &V, wanted: Partials, into: &mut A)
     where
         H: Elements + Sync,
         T: Number<f64>,
@@ -101,17 +74,11 @@ pub trait TileParts: Copy + Send + Sync {
         [&[]; 2]
     }
 
-    /// Changes the momenta of some places one by one, and what rounding took from them if sums are
-    /// compensated; may be called again.
+    /// Takes an O part, `Part::O` with the momenta of some places, and what rounding took from them if sums
+    /// are compensated, or `Part::AOA`, which also moves the coordinates `q`; may be called again.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64], lost: &mut [f64]) {
-        let _ = (number, places, p, lost);
-    }
-
-    /// Changes coordinates and momenta of some places one by one, and may be called again.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_state(&self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
-        let _ = (number, places, q, p);
+    fn relax(&self, substep: &Substep, places: Range<usize>, q: &mut [f64], p: &mut [f64], lost: &mut [f64]) {
+        let _ = (substep, places, q, p, lost);
     }
 }
 

@@ -13,9 +13,10 @@ use super::layout::{Tile, Tiling};
 use super::sums::{OffsetSlice, OntoTile, TileSums};
 use super::thread_tiles::{ThreadLists, ThreadTiles};
 use super::wavefront::TileRound;
-use super::{Elements, KickForm, LINE, Move, Partials, TileParts};
+use super::{Elements, LINE, Partials, TileParts};
 use crate::algebra::lanes::instructions::Kernel;
 use crate::algebra::scalar::Number;
+use crate::scheme::word::{Part, Substep};
 
 /// The data of a step that all threads share.
 #[derive(Clone, Copy)]
@@ -70,8 +71,8 @@ impl<H: Elements + Sync, W: TileParts, T: Number<f64>, const WHOLE: bool> Kernel
         let mut part = self.part;
         let Self { step, system, word, tile_rounds, sums, .. } = self;
         let TiledStepInput { tiles, rounds, q, p, reuses } = step;
-        // The positions of lists are read again for each move; otherwise the compiler computes offsets for
-        // moves that never come.
+        // The positions of lists are read again for each part; otherwise the compiler computes offsets for
+        // parts that never come.
         let ThreadLists { first, lists: [even, odd, momenta, kept_q, kept_force, lost_q, lost_p] } =
             &mut part;
         let (first, last) = (if WHOLE { 0 } else { *first }, rounds.len() - 1);
@@ -110,26 +111,25 @@ impl<H: Elements + Sync, W: TileParts, T: Number<f64>, const WHOLE: bool> Kernel
                 base: (round == 0).then(|| &p[places.clone()]),
                 has_drifted: false,
             };
-            for number in rounds[round].clone() {
-                let kind = taken.word.kind(number);
-                if !matches!(kind, Move::Kick(_)) {
+            for substep in &word.substeps()[rounds[round].clone()] {
+                if !substep.part.is_kick() {
                     taken.store_base();
                 }
-                match kind {
-                    Move::Kick(_) if W::ADDS_TERMS && reuses && round == 0 => {
+                match substep.part {
+                    Part::B | Part::GradientB(_) if W::ADDS_TERMS && reuses && round == 0 => {
                         taken.kick_again(&kept_force[own.clone()]);
                     }
-                    Move::Kick(kick) => {
-                        let force = taken.kick::<T>(number, kick);
+                    Part::B | Part::GradientB(_) => {
+                        let force = taken.kick::<T>(substep);
                         if keeps && round == last {
                             kept_force[own.clone()].copy_from_slice(force);
                             kept_q[own.clone()].copy_from_slice(&taken.from[places.clone()]);
                         }
                     }
-                    Move::Drift => taken.drift::<T>(number),
-                    Move::Momenta if W::CHANGES => taken.change_momenta(number),
-                    Move::State if W::CHANGES => taken.change_state(number),
-                    Move::Momenta | Move::State => {}
+                    Part::A => taken.drift::<T>(substep),
+                    Part::O if W::RELAXES => taken.relax(substep),
+                    Part::AOA if W::RELAXES => taken.relax_and_drift(substep),
+                    Part::O | Part::AOA => {}
                 }
             }
         }
@@ -187,52 +187,50 @@ impl<H: Elements + Sync, W: TileParts, const WHOLE: bool> TileInRound<'_, H, W, 
 
     /// Adds forces to momenta; returns the sums of the tile.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn kick<T: Number<f64>>(&mut self, number: usize, kick: KickForm) -> &[f64] {
+    fn kick<T: Number<f64>>(&mut self, kick: &Substep) -> &[f64] {
         let own = self.own();
         let p = &mut self.momenta[own.clone()];
-        let mut into = match kick {
-            KickForm::Terms if W::ADDS_TERMS && !W::CARRIES => {
-                TileSums::onto(self.tile, self.sums, self.base.unwrap_or(p))
-            }
-            _ => TileSums::empty(self.tile, self.sums),
+        // Forces at ends of steps are summed, since other steps may use them.
+        let adds_in_turn = W::ADDS_TERMS && !W::CARRIES && !kick.force.is_at_end();
+        let mut into = match adds_in_turn {
+            true => TileSums::onto(self.tile, self.sums, self.base.unwrap_or(p)),
+            false => TileSums::empty(self.tile, self.sums),
         };
         let (system, word, wanted) = (self.system, self.word, Partials::BY_COORDINATES);
         match WHOLE {
-            true => word.add_gradient::<H, T, _, _>(system, number, self.from.numbers, wanted, &mut into),
-            false => word.add_gradient::<H, T, _, _>(system, number, &self.from, wanted, &mut into),
+            true => word.add_gradient::<H, T, _, _>(system, kick, self.from.numbers, wanted, &mut into),
+            false => word.add_gradient::<H, T, _, _>(system, kick, &self.from, wanted, &mut into),
         }
         let (base, sums) = (self.base.take(), into.finish());
         if W::CARRIES {
             let lost = &mut self.lost_p[own];
-            match kick {
-                KickForm::Plus | KickForm::Terms => {
-                    self.check.store_compensated(p, base, sums, lost, |sum| sum)
-                }
-                _ => self.check.store_compensated(p, base, sums, lost, |sum| 0.0 - sum),
+            match W::ADDS_TERMS {
+                true => self.check.store_compensated(p, base, sums, lost, |sum| sum),
+                false => self.check.store_compensated(p, base, sums, lost, |sum| 0.0 - sum),
             }
             return sums;
         }
-        match kick {
-            KickForm::Minus if !W::ADDS_TERMS => self.check.store(p, base, sums, |p, sum| p - sum),
-            KickForm::Plus if W::ADDS_TERMS => self.check.store(p, base, sums, |p, sum| p + sum),
-            KickForm::Terms if W::ADDS_TERMS => self.check.store(p, base, sums, |_, sum| sum),
-            _ => self.check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
+        match W::ADDS_TERMS {
+            true if adds_in_turn => self.check.store(p, base, sums, |_, sum| sum),
+            true => self.check.store(p, base, sums, |p, sum| p + sum),
+            false if kick.number == 0 => self.check.store(p, base, sums, |p, sum| p - sum),
+            false => self.check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
         }
         sums
     }
 
     /// Adds velocities to coordinates.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn drift<T: Number<f64>>(&mut self, number: usize) {
+    fn drift<T: Number<f64>>(&mut self, drift: &Substep) {
         let own = self.own();
         let Self { system, word, tile, first, from, to, momenta, lost_q, has_drifted, .. } = self;
         let wanted = Partials::BY_MOMENTA;
         let stretch = &OffsetSlice { numbers: momenta, first: *first, degrees: from.degrees };
-        if H::FACTS.has_one_velocity && !(W::CHANGES && *has_drifted) && !W::CARRIES {
+        if H::FACTS.has_one_velocity && !(W::RELAXES && *has_drifted) && !W::CARRIES {
             let mut moved = OntoTile { tile: *tile, base: *from, next: to, first: *first };
             match WHOLE {
-                true => word.add_gradient::<H, T, _, _>(system, number, stretch.numbers, wanted, &mut moved),
-                false => word.add_gradient::<H, T, _, _>(system, number, stretch, wanted, &mut moved),
+                true => word.add_gradient::<H, T, _, _>(system, drift, stretch.numbers, wanted, &mut moved),
+                false => word.add_gradient::<H, T, _, _>(system, drift, stretch, wanted, &mut moved),
             }
             self.check.include(&to[own]);
         } else {
@@ -243,8 +241,8 @@ impl<H: Elements + Sync, W: TileParts, const WHOLE: bool> TileInRound<'_, H, W, 
                 false => TileSums::empty(*tile, self.sums),
             };
             match WHOLE {
-                true => word.add_gradient::<H, T, _, _>(system, number, stretch.numbers, wanted, &mut into),
-                false => word.add_gradient::<H, T, _, _>(system, number, stretch, wanted, &mut into),
+                true => word.add_gradient::<H, T, _, _>(system, drift, stretch.numbers, wanted, &mut into),
+                false => word.add_gradient::<H, T, _, _>(system, drift, stretch, wanted, &mut into),
             }
             let sums = into.finish();
             match W::ADDS_TERMS {
@@ -258,24 +256,26 @@ impl<H: Elements + Sync, W: TileParts, const WHOLE: bool> TileInRound<'_, H, W, 
         *has_drifted = true;
     }
 
+    /// Friction and noise of the bath.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momenta(&mut self, number: usize) {
+    fn relax(&mut self, substep: &Substep) {
         let own = self.own();
         let lost = if W::CARRIES { &mut self.lost_p[own.clone()] } else { &mut [] };
         let p = &mut self.momenta[own];
-        self.word.change_momenta(number, self.tile.start..self.tile.end, p, lost);
+        self.word.relax(substep, self.tile.start..self.tile.end, &mut [], p, lost);
         self.check.include(p);
     }
 
+    /// Friction and noise between two drifts.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_state(&mut self, number: usize) {
+    fn relax_and_drift(&mut self, substep: &Substep) {
         let places = self.tile.start..self.tile.end;
         let own = self.own();
         let (q, p) = (&mut self.to[own.clone()], &mut self.momenta[own]);
         if !self.has_drifted {
             q.copy_from_slice(&self.from[places.clone()]);
         }
-        self.word.change_state(number, places, q, p);
+        self.word.relax(substep, places, q, p, &mut []);
         self.check.include(q);
         self.check.include(p);
         self.has_drifted = true;

@@ -1,6 +1,6 @@
 //! The order in which tiles take the rounds of a step.
 //!
-//! A round starts with a kick, which reads coordinates of neighbours; its other moves act on single sites. A
+//! A round starts with a kick, which reads coordinates of neighbours; its other parts act on single sites. A
 //! tile takes a round as soon as its neighbours have taken the previous one. A step thus passes over the
 //! system once, and takes all rounds of a tile while that is in the cache, whatever the number of rounds.
 
