@@ -16,7 +16,7 @@
 //!
 //! * [`PairComposition`]: steps of the scheme and its adjoint, for any Hamiltonian.
 //! * [`KickDrift`]: kicks and drifts, for `T(p) + V(q, t)`.
-//! * [`PartFlows`]: the flows of two parts, for `drift = [H_A, H_B]` with the tables for two parts.
+//! * [`SummandSplitting`]: the flows of two summands, for `drift = [H_A, H_B]` with the tables for two parts.
 //!
 //! [`Composes::word`] lists them: `scheme/word.rs` says what a word is.
 
@@ -28,9 +28,9 @@ mod linear;
 pub(crate) mod lists;
 pub(crate) mod memory;
 mod pair;
-mod parts;
 mod plans;
 mod structure;
+mod summands;
 mod tables;
 mod text;
 pub(crate) mod tiled;
@@ -49,9 +49,9 @@ pub use flows::KickDrift;
 #[doc(hidden)]
 pub use pair::{BasicMethod, PairComposition};
 #[doc(hidden)]
-pub use parts::{Form, PartFlows, Summand};
-#[doc(hidden)]
 pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, SingleStep, TwoFlows, WholeOf};
+#[doc(hidden)]
+pub use summands::{Form, Summand, SummandSplitting};
 pub use tables::{
     Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
     TakahashiImada4, Yoshida4, Yoshida6,

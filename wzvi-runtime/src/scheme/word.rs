@@ -14,8 +14,8 @@
 //! one word serves steps of any size. [`Composes::word`](super::compose::Composes) makes the words of weights
 //! and tables, [`Word::spelled`] those of the letters of a user.
 //!
-//! Three executors take words: that of [lists](super::compose) takes part after part for the whole state, that
-//! of [tiles](super::elements) all parts for a tile while it is in the cache, and that of
+//! Three executors take words: that of [lists](super::compose) takes part after part for the whole state,
+//! that of [tiles](super::elements) all parts for a tile while it is in the cache, and that of
 //! [constraints](super::constraints) part after part on a manifold.
 
 use std::fmt::Debug;
@@ -278,5 +278,31 @@ mod tests {
         let forces: Vec<ForceUse> = word.substeps.iter().map(|substep| substep.force).collect();
         assert_eq!(forces, [ForceUse::AtOneEnd, ForceUse::Once, ForceUse::Once, ForceUse::Once]);
         assert_eq!(word.substeps[2].node, 0.5);
+    }
+
+    /// A table is the same word of flows and of summands, and a word of steps of an adjoint pair: with the
+    /// coefficients `x` of the drifts and kicks these are `x_1`, `x_2 - x_1`, ..., one after the other.
+    #[test]
+    fn a_table_is_a_word_of_every_kind() {
+        use crate::scheme::compose::{BasicMethod, Summand};
+        let turns = [(Part::A, 0.25), (Part::B, 0.5), (Part::A, 0.5), (Part::B, 0.5), (Part::A, 0.25)];
+        let table = turns.map(|(part, weight)| Weighted { part, weight });
+        let flows = Part::of_table(&table).substeps;
+        let nodes: Vec<f64> = flows.iter().map(|substep| substep.node).collect();
+        assert_eq!(nodes, [0.0, 0.25, 0.25, 0.75, 0.75]);
+        let summands = Summand::of_table(&table).substeps;
+        let of_other: Vec<f64> = summands.iter().map(|substep| substep.node).collect();
+        assert_eq!(of_other, [0.0, 0.25, 0.5, 0.75, 1.0]);
+        assert_eq!((summands[0].part, summands[1].part), (Summand::A, Summand::B));
+        let steps = BasicMethod::of_table(&table).substeps;
+        let of_steps: Vec<_> = steps.iter().map(|s| (s.part, s.weight, s.node, s.number)).collect();
+        let [itself, adjoint] = [BasicMethod::Itself, BasicMethod::Adjoint];
+        let expected = [
+            (adjoint, 0.25, 0.0, 0),
+            (itself, 0.25, 0.25, 0),
+            (adjoint, 0.25, 0.5, 1),
+            (itself, 0.25, 0.75, 1),
+        ];
+        assert_eq!(of_steps, expected);
     }
 }

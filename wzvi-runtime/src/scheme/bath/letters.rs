@@ -199,3 +199,41 @@ const fn order(letters: &[Letter]) -> u32 {
     }
     order
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheme::word::ForceUse;
+
+    /// Shares that are given and equal ones, the times of kicks, and the numbers of O parts.
+    #[test]
+    fn letters_spell_their_word() {
+        let word = Word::spelled(<(O, B<1, 6>, A, B<2, 3>, A, B<1, 6>, O)>::LETTERS);
+        let column = |of: fn(&Substep) -> f64| word.substeps.iter().map(of).collect::<Vec<_>>();
+        let sixth = 1.0 / 6.0;
+        let weights = [0.5, sixth, 0.5, 4.0 * sixth, 0.5, sixth, 0.5];
+        assert_eq!(column(|substep| substep.weight), weights);
+        assert_eq!(column(|substep| substep.share), [0.5, -sixth, 0.5, -4.0 * sixth, 0.5, -sixth, 0.5]);
+        assert_eq!(column(|substep| substep.node), [0.0, 0.0, 0.0, 0.5, 0.5, 1.0, 1.0]);
+        assert_eq!([0, 3, 6].map(|i| word.substeps[i].number), [0, 1, 1]);
+        // O parts at the ends change no force.
+        let ends = [1, 5].map(|i| word.substeps[i].force);
+        assert_eq!(ends, [ForceUse::FromStepBefore, ForceUse::ForNextStep]);
+    }
+
+    /// An O part joins its drifts, with its number and their weight, unless there are two such places.
+    #[test]
+    fn one_bath_joins_its_drifts() {
+        let joined = |letters| Word::spelled(letters).joined().substeps;
+        let parts = |substeps: &[Substep]| substeps.iter().map(|s| s.part).collect::<Vec<_>>();
+        let baoab = joined(<(B, A, O, A, B)>::LETTERS);
+        assert_eq!(parts(&baoab), [Part::B, Part::AOA, Part::B]);
+        assert_eq!((baoab[1].weight, baoab[1].number, baoab[2].node), (0.5, 0, 1.0));
+        let second = joined(<(O, B, A, O, A, B, O)>::LETTERS);
+        assert_eq!((second[2].part, second[2].number), (Part::AOA, 1));
+        let two = <(B, A, O, A, B, A, O, A, B)>::LETTERS;
+        assert_eq!(joined(two), Word::spelled(two).substeps);
+        let unequal = <(A<1, 3>, O, A<2, 3>, B)>::LETTERS;
+        assert_eq!(joined(unequal), Word::spelled(unequal).substeps);
+    }
+}

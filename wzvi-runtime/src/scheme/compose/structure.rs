@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::flows::KickDrift;
 use super::pair::{BasicMethod, PairComposition};
-use super::parts::{PartFlows, Summand};
+use super::summands::{Summand, SummandSplitting};
 use super::text::{DRIFT_KICK, EquationsText};
 use super::{Composed, Composes, Symmetric, Verlet, Weights};
 use crate::scheme::elements::Elements;
@@ -79,7 +79,7 @@ impl TwoFlows for Nystrom {
 }
 impl<K> TwoFlows for Parted<K> {
     type Part = Summand;
-    type Flows<W> = PartFlows<W>;
+    type Flows<W> = SummandSplitting<W>;
     const PARTS: [&'static str; 2] = ["flow of H_A over ", "flow of H_B over "];
 }
 

@@ -1,8 +1,8 @@
-//! The flows of two parts into which the user has split the Hamiltonian: `drift = [H_A, H_B]`.
+//! The flows of two summands into which the user has split the Hamiltonian: `drift = [H_A, H_B]`.
 //!
-//! Each part has one of the forms whose flow the compiler knows: a function of the coordinates (a kick), a
+//! Each summand has one of the forms whose flow the compiler knows: a function of the coordinates (a kick), a
 //! function of the momenta (a drift), or a quadratic form in both with constant coefficients (a linear map,
-//! [`LinearFlow`], computed once for each weight). A part reads the time that the flows of the other part
+//! [`LinearFlow`], computed once for each weight). A summand reads the time that the flows of the other one
 //! have reached: time is a coordinate that `H_A` moves.
 //!
 //! A force `f(q, t)` is included in the kick, `p' = -∂H/∂q + f`. Friction with a single rate is included in
@@ -70,18 +70,18 @@ pub enum Form {
     Quadratic,
 }
 
-/// The parts of a system whose drift is declared in two.
-struct TwoParts<F>(PhantomData<F>);
+/// The summands of a system whose drift is declared in two.
+struct SummandsOf<F>(PhantomData<F>);
 
-impl<F: Elements> TwoParts<F> {
+impl<F: Elements> SummandsOf<F> {
     /// As [`Facts::summands`](crate::scheme::plan::Facts::summands).
     const FORMS: [Form; 2] =
         F::FACTS.summands.expect("the drift is declared in two parts, `drift = [H_A, H_B]`");
 }
 
-/// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as wanted.
+/// `h ∂H/∂q` and `h ∂H/∂p` of a summand, as far as wanted.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn gradient_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
+fn gradient_of_summand<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     system: &F,
     summand: Summand,
     parameters: &[S::Constant],
@@ -98,13 +98,13 @@ fn gradient_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     slopes(system, term, &at, wanted, by_q, by_p, columns);
 }
 
-/// The flows of the two parts in turn.
+/// The flows of the two summands in turn.
 #[derive(Clone, Copy, Debug)]
-pub struct PartFlows<W>(PhantomData<W>);
+pub struct SummandSplitting<W>(PhantomData<W>);
 
 /// The parameters of a system, and the word of a step.
 #[derive(Clone, Debug)]
-pub struct PartConstants<K> {
+pub struct SummandConstants<K> {
     parameters: Vec<K>,
     word: Word<SummandFlow<K>>,
 }
@@ -130,13 +130,13 @@ fn prepare<F: Elements, K: Constant>(
     lift: LiftParameter<'_, K>,
     h: K,
     word: &Word<Summand>,
-) -> Result<PartConstants<K>, ConfigError> {
+) -> Result<SummandConstants<K>, ConfigError> {
     let parameters = varied_without_lists(system, lift)?;
     let mut columns = PairColumns::default();
     let mut known: Vec<(Substep<Summand>, Arc<LinearFlow<K>>)> = Vec::new();
     let mut flow = |substep: &Substep<Summand>| {
         let &Substep { part: summand, weight, .. } = substep;
-        match TwoParts::<F>::FORMS[summand as usize] {
+        match SummandsOf::<F>::FORMS[summand as usize] {
             Form::Coordinates => return Ok(SummandFlow::Kick(summand)),
             Form::Momenta => return Ok(SummandFlow::Drift(summand)),
             Form::Quadratic => {}
@@ -149,7 +149,7 @@ fn prepare<F: Elements, K: Constant>(
             let unit = [0.0, 1.0].map(Scalar::from_f64);
             let varied = K::varied(&parameters);
             let (at, into) = ([q, p], [&mut *by_q, by_p]);
-            gradient_of_part::<F, K, true, true>(system, summand, varied, unit, at, into, &mut columns);
+            gradient_of_summand::<F, K, true, true>(system, summand, varied, unit, at, into, &mut columns);
             if F::FACTS.kind.is_conformal {
                 let rate: K = system.friction_rate(&parameters);
                 by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope = *slope + rate * *p);
@@ -161,14 +161,16 @@ fn prepare<F: Elements, K: Constant>(
     };
     let substeps = word.substeps.iter().map(|substep| Ok(substep.with(flow(substep)?)));
     let word = Word { substeps: substeps.collect::<Result<_, _>>()? };
-    Ok(PartConstants { parameters, word })
+    Ok(SummandConstants { parameters, word })
 }
 
-impl<F: Elements, E, T, W: Composes<E, T, Part = Summand>> Scheme<F> for PartFlows<ComposedWord<E, T, W>> {
+impl<F: Elements, E, T, W: Composes<E, T, Part = Summand>> Scheme<F>
+    for SummandSplitting<ComposedWord<E, T, W>>
+{
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
-    type Prepared<K: Constant> = PartConstants<K>;
+    type Prepared<K: Constant> = SummandConstants<K>;
     type Memory<S: Scalar> = SplittingMemory<S, F::Shape>;
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = PlainSum;
@@ -181,7 +183,7 @@ impl<F: Elements, E, T, W: Composes<E, T, Part = Summand>> Scheme<F> for PartFlo
         system: &F,
         lift: LiftParameter<'_, K>,
         h: K,
-    ) -> Result<PartConstants<K>, ConfigError> {
+    ) -> Result<SummandConstants<K>, ConfigError> {
         check_new(system)?;
         prepare(system, system.degrees(), lift, h, &W::word())
     }
@@ -189,13 +191,13 @@ impl<F: Elements, E, T, W: Composes<E, T, Part = Summand>> Scheme<F> for PartFlo
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<K: Constant, S: ComputesWith<K>, C: StateSum<S>, const CAREFUL: bool>(
         system: &F,
-        PartConstants { parameters, word }: &PartConstants<K>,
+        SummandConstants { parameters, word }: &SummandConstants<K>,
         at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let StepArguments { t, h, q, p, dw } = at.lists().shared();
-        let mut flows = TwoPartFlows::<F, S> { system, parameters: S::varied(parameters), t, h };
+        let mut flows = SummandFlows::<F, S> { system, parameters: S::varied(parameters), t, h };
         take_parts(system, &mut flows, word, [q, p], dw, memory, carry)
     }
 
@@ -209,7 +211,7 @@ impl<F: Elements, E, T, W: Composes<E, T, Part = Summand>> Scheme<F> for PartFlo
     }
 }
 
-impl<E, T, W: Composes<E, T, Part = Summand>> PartFlows<ComposedWord<E, T, W>> {
+impl<E, T, W: Composes<E, T, Part = Summand>> SummandSplitting<ComposedWord<E, T, W>> {
     fn follow<F: Elements>(
         system: &F,
         segment: &Segment<F::Vector>,
@@ -217,7 +219,7 @@ impl<E, T, W: Composes<E, T, Part = Summand>> PartFlows<ComposedWord<E, T, W>> {
     ) -> Option<SequenceEnd<F::Vector>> {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
-        let PartConstants { word, .. } = prepare(system, degrees, &as_they_are, h, &W::word()).ok()?;
+        let SummandConstants { word, .. } = prepare(system, degrees, &as_they_are, h, &W::word()).ok()?;
         let action = |substep: &Substep<SummandFlow<f64>>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = |summand: Summand| {
                 let at = EvaluationPoint::new([q, p], t + substep.node * h, &[], &[]);
@@ -233,13 +235,13 @@ impl<E, T, W: Composes<E, T, Part = Summand>> PartFlows<ComposedWord<E, T, W>> {
                 SummandFlow::Map(map) => map.action(before, [q, p]),
             }
         };
-        let mut flows = TwoPartFlows { system, parameters: &[], t, h };
+        let mut flows = SummandFlows { system, parameters: &[], t, h };
         follow(&mut flows, &word, segment, dw, action)
     }
 }
 
-/// The flows of the parts in a step.
-struct TwoPartFlows<'a, F, S: Scalar> {
+/// The flows of the summands in a step.
+struct SummandFlows<'a, F, S: Scalar> {
     system: &'a F,
     parameters: &'a [S::Constant],
     t: S::Constant,
@@ -247,7 +249,7 @@ struct TwoPartFlows<'a, F, S: Scalar> {
 }
 
 impl<F: Elements, K: Constant, S: ComputesWith<K>> ListParts<S, F::Shape, SummandFlow<K>>
-    for TwoPartFlows<'_, F, S>
+    for SummandFlows<'_, F, S>
 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_part<C: StateSum<S>, const EXACT: bool>(
@@ -266,7 +268,9 @@ impl<F: Elements, K: Constant, S: ComputesWith<K>> ListParts<S, F::Shape, Summan
             SummandFlow::Kick(summand) => {
                 let into = [&mut *force, &mut []];
                 let (at, times) = ([&*q, &*p], [t, -h]);
-                gradient_of_part::<F, S, true, false>(system, *summand, parameters, times, at, into, columns);
+                gradient_of_summand::<F, S, true, false>(
+                    system, *summand, parameters, times, at, into, columns,
+                );
                 if F::FACTS.kind.is_forced {
                     velocity.fill(S::from_f64(0.0));
                     forces(system, &EvaluationPoint::new([&*q, p], t, parameters, &[]), velocity, columns);
@@ -278,7 +282,9 @@ impl<F: Elements, K: Constant, S: ComputesWith<K>> ListParts<S, F::Shape, Summan
             SummandFlow::Drift(summand) => {
                 let into = [&mut [][..], &mut *velocity];
                 let (at, times) = ([&*q, &*p], [t, h]);
-                gradient_of_part::<F, S, false, true>(system, *summand, parameters, times, at, into, columns);
+                gradient_of_summand::<F, S, false, true>(
+                    system, *summand, parameters, times, at, into, columns,
+                );
                 add::<S, C>(q, velocity, lost_q);
             }
             SummandFlow::Map(map) => {
