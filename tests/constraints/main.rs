@@ -4,5 +4,6 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod between;
+mod general;
 mod references;
 mod systems;

@@ -2,10 +2,8 @@
 
 use fixtures::reference::{data, list, number, numbers};
 use serde_json::Value;
-use wzvi::compose::Composes;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
-use wzvi::system::Scheme;
 
 use super::systems::{CarAxis, DoublePendulum, Sphere, Top, WarmSphere};
 
@@ -92,9 +90,7 @@ fn has_order<E, H: Discretized<E>>(system: &H, case: &Value, steps: u32, order: 
 
 fn has_orders<H>(system: &H, case: &Value, steps: [u32; 3])
 where
-    H: Discretized<Rattle> + wzvi::elements::Elements,
-    Suzuki4: Composes<Rattle, H::Structure, Steps: Scheme<H>>,
-    KahanLi6: Composes<Rattle, H::Structure, Steps: Scheme<H>>,
+    H: Discretized<Rattle> + Discretized<Composed<Rattle, Suzuki4>> + Discretized<Composed<Rattle, KahanLi6>>,
 {
     has_order::<Rattle, _>(system, case, steps[0], 2.0);
     has_order::<Composed<Rattle, Suzuki4>, _>(system, case, steps[1], 4.0);

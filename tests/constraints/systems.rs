@@ -89,3 +89,53 @@ pub struct CarAxis;
 
 /// `ε² m / 2` of the test set.
 const M: f64 = 5e-4;
+
+/// A point on the sphere with a mass that depends on where it is, in a random rotation about the vertical.
+#[hamiltonian(
+    drift = |[x, y, z], [px, py, pz]| 0.5 * (px * px + py * py + pz * pz) / (1.0 + 0.3 * z * z) + z,
+    noise = [|[x, y, _], [px, py, _]| sigma * (x * py - y * px)],
+    constraint = [|[x, y, z]| 0.5 * (x * x + y * y + z * z - 1.0)],
+    embedding = Rattle,
+    invariant = [|[x, y, _], [px, py, _]| x * py - y * px],
+)]
+#[derive(Clone, Debug)]
+pub struct Turned {
+    pub sigma: f64,
+}
+
+/// The sphere of [`Sphere`], with a term that no step takes for squares of the momenta and that vanishes.
+#[hamiltonian(
+    drift = |[x, y, z], [px, py, pz]| 0.5 * (px * px + py * py + pz * pz) + g * z
+        + nothing * px * px * x * x,
+    constraint = [|[x, y, z]| 0.5 * (x * x + y * y + z * z - 1.0)],
+    embedding = Rattle,
+)]
+#[derive(Clone, Debug)]
+pub struct GeneralSphere {
+    pub g: f64,
+    pub nothing: f64,
+}
+
+/// The moving road of [`CarAxis`] with masses that do not couple but read coordinates, by nothing.
+#[hamiltonian(
+    drift = |[xl, yl, xr, yr], [pxl, pyl, pxr, pyr], t| {
+        let yb = 0.1 * (10.0 * t).sin();
+        let xb = (1.0 - yb * yb).sqrt();
+        let left = (xl * xl + yl * yl).sqrt() - 0.5;
+        let right = ((xr - xb).powi(2) + (yr - yb).powi(2)).sqrt() - 0.5;
+        (pxl * pxl + pyl * pyl + pxr * pxr + pyr * pyr) / (2.0 * M)
+            + 0.5 * (left * left + right * right) + M * (yl + yr) + nothing * pxl * xl
+    },
+    constraint = [
+        |[xl, yl, _, _], t| {
+            let yb = 0.1 * (10.0 * t).sin();
+            xl * (1.0 - yb * yb).sqrt() + yl * yb
+        },
+        |[xl, yl, xr, yr]| (xl - xr).powi(2) + (yl - yr).powi(2) - 1.0,
+    ],
+    embedding = Rattle,
+)]
+#[derive(Clone, Debug)]
+pub struct GeneralAxis {
+    pub nothing: f64,
+}

@@ -104,9 +104,9 @@ fn check_constraints(system: &mut System, facts: &Facts, diagnostics: &mut Diagn
     if facts.constraints.is_empty() {
         return;
     }
-    if !facts.is_separable || !facts.kinetic.is_some_and(|kinetic| kinetic.is_diagonal) {
-        let extent = system.drift.extent;
-        diagnostics.report(messages::constraints_without_masses(extent, &system.converted_force()));
+    let baths = system.embeddings.iter().filter(|known| known.value == Embedding::GBaoab);
+    for Located { extent, .. } in baths.filter(|_| !facts.has_squares) {
+        diagnostics.report(messages::bath_without_masses(*extent, &system.converted_force()));
     }
     for constraint in &facts.constraints {
         let extent = constraint.extent;

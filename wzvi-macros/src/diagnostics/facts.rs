@@ -75,9 +75,8 @@ messages! {
         `Rattle`, whose compositions `Composed<Rattle, Yoshida4>` and others have higher orders";
     keeps_no_constraints(found, scheme: &impl Display) = "`{scheme}` is for systems with constraints: add `constraint = [|q| ...]`, or \
         write `Verlet`, which it is without them";
-    constraints_without_masses(found, converted: &str) = "constraints need masses: a kinetic energy that is a sum of squares of the momenta \
-        with constant coefficients, as in `p * p / (2.0 * m)`, and no other term, force or friction that reads momenta{converted}; friction with \
-        one rate for all degrees of freedom, `friction = gamma`, is taken";
+    bath_without_masses(found, converted: &str) = "`GBaoab` needs masses: a kinetic energy that is a sum of squares of the momenta with \
+        constant coefficients, as in `p * p / (2.0 * m)`, and no other term, noise or force that reads momenta{converted}";
     constraint_of_nothing(found) = "this constraint reads no coordinate: it holds at every state, or at none";
     constraint_without_points(found) = "no state satisfies this constraint: it has one sign everywhere";
     affine_constraint(found) = "this constraint is affine in the coordinates: it leaves a plane, which needs no multipliers; choose coordinates \

@@ -69,6 +69,9 @@ pub(crate) struct Facts {
     /// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of
     /// coordinates and time, and forces read no more.
     pub(crate) is_nystrom: bool,
+    /// Whether the drift is a sum of squares of momenta with constant coefficients plus a function of
+    /// coordinates and time, and neither noise nor force reads momenta.
+    pub(crate) has_squares: bool,
     /// The flows of `T(p)` and `V(q, t)`, if the step Hamiltonian is their sum.
     pub(crate) flows: Option<Flows>,
     /// The parts of `drift = [H_A, H_B]`.
@@ -250,6 +253,8 @@ impl Facts {
         });
         let kinetic = Kinetic::of(system);
         let is_nystrom = is_nystrom(system, is_separable, kinetic);
+        let is_noisy = system.noise.iter().flat_map(|noise| &noise.term.elements).any(|e| e.reads().p);
+        let has_squares = is_separable && !is_noisy && kinetic.is_some_and(|kinetic| kinetic.is_diagonal);
         Self {
             noise: class,
             has_force: system.force.is_some(),
@@ -272,6 +277,7 @@ impl Facts {
             coupled_degrees: coupled_degrees(system),
             has_constant_curvature: has_constant_curvature(system),
             kinetic,
+            has_squares,
             is_nystrom,
             flows: Flows::of(system, is_separable, is_nystrom),
             summands: Summands::of(system),

@@ -71,6 +71,8 @@ pub(crate) struct Plans {
     /// The forms of the parts of the drift, where `Verlet` is listed and the user wrote the drift in two
     /// parts.
     pub(crate) forms: Option<[split::SummandForm; 2]>,
+    /// Whether steps on a manifold of constraints are solved as a whole, and not as words of flows.
+    pub(crate) is_general_on_manifold: bool,
 }
 
 impl Plans {
@@ -94,7 +96,8 @@ impl Plans {
         let gradient = line.map(|line| StepGradient::new(&mut system.graph, line, facts.is_nystrom));
         let forms = facts.summands.known().filter(|_| listed.contains(&Embedding::Verlet));
         let roles = elements_by_role(system, facts);
-        Self { listed, schemes, roles, flows, gradient, forms }
+        let is_general_on_manifold = !facts.constraints.is_empty() && !facts.has_squares;
+        Self { listed, schemes, roles, flows, gradient, forms, is_general_on_manifold }
     }
 
     /// The schemes whose steps are emitted: not the halves of `Verlet` where it composes flows.
@@ -104,14 +107,15 @@ impl Plans {
         self.schemes.iter().filter(|scheme| needed.contains(&scheme.embedding)).collect()
     }
 
-    /// Whether a step needs second derivatives: one that is solved in loops, or one whose momentum between
+    /// Whether a step needs second derivatives: one on a manifold that is no word of flows, one that is solved in loops, or one whose momentum between
     /// its ends is solved for.
     pub(crate) fn needs_hessian(&self) -> bool {
-        self.schemes.iter().any(|SchemePlan { quadrature, step, .. }| {
-            let is_solved_in_loops =
-                matches!(step, Step::InLoops(strategy) if strategy.unknowns != Unknowns::None);
-            is_solved_in_loops || !quadrature.gives_momentum()
-        })
+        self.is_general_on_manifold
+            || self.schemes.iter().any(|SchemePlan { quadrature, step, .. }| {
+                let is_solved_in_loops =
+                    matches!(step, Step::InLoops(strategy) if strategy.unknowns != Unknowns::None);
+                is_solved_in_loops || !quadrature.gives_momentum()
+            })
     }
 
     /// The listed schemes whose stages are solved together, with the number of their stages.

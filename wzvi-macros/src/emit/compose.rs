@@ -11,6 +11,9 @@ use crate::embedding::Embedding;
 
 /// The structure that steps of `Verlet` exploit.
 pub(super) fn structure(plans: &Plans) -> TokenStream {
+    if plans.listed.iter().any(Embedding::keeps_constraints) && !plans.is_general_on_manifold {
+        return quote!(__wzvi::compose::Nystrom);
+    }
     let structure = match plans.flows {
         None => quote!(__wzvi::compose::General),
         Some(Flows { is_nystrom: false, .. }) => quote!(__wzvi::compose::Separable),
@@ -30,6 +33,9 @@ pub(super) fn emit(item: &ItemStruct, plans: &Plans, texts: &Texts) -> TokenStre
         let steps = match (embedding, embedding.substeps().as_slice()) {
             (Embedding::GBaoab, _) => quote!(__wzvi::embedding::GBaoab),
             (thermostat, _) if thermostat.is_thermostat() => self::thermostat(thermostat),
+            (Embedding::Rattle, _) if plans.is_general_on_manifold => {
+                quote!(__wzvi::constraints::GeneralRattle)
+            }
             (Embedding::Rattle, _) => quote!(__wzvi::compose::WholeOf<Self, __wzvi::embedding::Rattle>),
             (_, []) => continue,
             (_, [whole]) if whole == embedding => continue,

@@ -37,7 +37,7 @@ pub(crate) struct Expansion {
 /// elements and steps.
 pub(crate) fn emit(system: &mut System, facts: &Facts, plans: &Plans, texts: &Texts) -> Expansion {
     let mut generated = terms::elements(system, facts, plans);
-    generated.extend(terms::constraints(system));
+    generated.extend(terms::constraints(system, facts));
     let stepped = plans.stepped();
     let is_alone = stepped.len() == 1;
     for plan in stepped {

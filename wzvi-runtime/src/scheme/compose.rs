@@ -49,6 +49,8 @@ pub use flows::KickDrift;
 #[doc(hidden)]
 pub use pair::{BasicMethod, PairComposition};
 #[doc(hidden)]
+pub(crate) use structure::WHOLE;
+#[doc(hidden)]
 pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, SingleStep, TwoFlows, WholeOf};
 #[doc(hidden)]
 pub use summands::{Form, Summand, SummandSplitting};

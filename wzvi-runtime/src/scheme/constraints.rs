@@ -20,6 +20,8 @@
 mod dense;
 mod evaluation;
 mod flows;
+mod general;
+mod general_manifold;
 mod layout;
 mod manifold;
 mod memory;
@@ -30,6 +32,7 @@ mod word;
 
 pub use dense::Dense;
 pub use evaluation::ConstraintRows;
+pub use general::{GeneralRattle, GeneralRattleConstants, GeneralRattleMemory};
 pub use layout::ConstraintLayout;
 pub(crate) use manifold::put_on;
 pub use manifold::{Distance, Manifold, ManifoldPoint};
@@ -50,6 +53,10 @@ pub trait Constrained: Elements {
 
     /// Whether a constraint reads the time.
     const READ_TIME: bool;
+
+    /// Whether `H_0` is `p · W p / 2 + V(q, t)` with a constant diagonal matrix `W`, and neither a noise nor a
+    /// force reads momenta.
+    const HAS_SQUARES: bool;
 
     /// The number of constraints, where the compiler knows it; else `usize::MAX`.
     const CONSTRAINTS: usize;

@@ -13,7 +13,7 @@ pub(crate) fn derivation(system: &mut System, facts: &Facts, embedding: &Embeddi
         _ => lagrangian(system, facts),
     };
     slopes(system, &mut text);
-    solvers(system, &mut text);
+    solvers(system, facts, &mut text);
     text
 }
 
@@ -40,6 +40,10 @@ fn lagrangian(system: &System, facts: &Facts) -> String {
         Some(_) => "\n  before and after: p <- e^{-γ h/2} p",
         None => "",
     };
+    let velocity = match facts.has_squares {
+        true => "h ∂H0/∂p(P)",
+        false => "1/2 ∂F/∂p(q_i, P, t_i) + 1/2 ∂F/∂p(q_{i+1}, P, t_{i+1})",
+    };
     let slope = if facts.has_force { "(∂F/∂q - h F0)" } else { "∂F/∂q" };
     format!(
         "
@@ -49,7 +53,7 @@ Discrete Lagrangian of the step from t_i to t_i + h, with F = h H0{noise}
 
 Discrete Euler-Lagrange equations, with G = ∂g/∂q
   p_i = -D1 L_d:      P = p_i - 1/2 {slope}(q_i, t_i) - h/2 G(q_i, t_i)ᵀ λ
-  ∂L_d/∂P = 0:        q_{{i+1}} = q_i + h ∂H0/∂p(P)
+  ∂L_d/∂P = 0:        q_{{i+1}} = q_i + {velocity}
   ∂L_d/∂λ of the next step = 0:  g(q_{{i+1}}, t_{{i+1}}) = 0
   p_{{i+1}} = D2 L_d:   p_{{i+1}} = P - 1/2 {slope}(q_{{i+1}}, t_{{i+1}}) - h/2 G(q_{{i+1}}, t_{{i+1}})ᵀ μ
   0 = dg/dt:          0 = G(q_{{i+1}}, t_{{i+1}}) ∂H0/∂p(p_{{i+1}}){rate}{friction}
@@ -58,22 +62,29 @@ Discrete Euler-Lagrange equations, with G = ∂g/∂q
 }
 
 /// What is solved in a step.
-fn solvers(system: &System, text: &mut String) {
+fn solvers(system: &System, facts: &Facts, text: &mut String) {
     let constraints = system.constraint_offsets().last().and_then(|all| all.as_integer());
     let left = system.degrees_in_straight_lines().zip(constraints).map(|(degrees, constraints)| {
         let left = degrees as i128 - constraints;
         format!("; {left} of {degrees} degrees of freedom are left, if no constraint follows from others")
     });
-    let solver = if system.line.is_some() {
-        ""
-    } else {
-        ", sparse: one unknown for each constraint, coupled where they share a coordinate"
+    let left = left.unwrap_or_default();
+    if !facts.has_squares {
+        say!(
+            text,
+            "\nStep\n  solve for P, q_{{i+1}} and λ: Newton, one dense matrix\n  \
+             solve for μ: Newton, matrix h/2 G ∂²H0/∂p² Gᵀ at q_{{i+1}}{left}"
+        );
+        return;
+    }
+    let solver = match system.line {
+        Some(_) => "",
+        None => ", sparse: one unknown for each constraint, coupled where they share a coordinate",
     };
     say!(
         text,
         "\nStep\n  solve for λ: Newton, matrix h²/2 G(q_{{i+1}}) W G(q_i)ᵀ with W = ∂²H0/∂p²{solver}\n  \
-         solve for μ: linear, matrix h/2 G W Gᵀ at q_{{i+1}}{}",
-        left.unwrap_or_default()
+         solve for μ: linear, matrix h/2 G W Gᵀ at q_{{i+1}}{left}"
     );
 }
 

@@ -8,13 +8,13 @@ use super::kernel::Target;
 use super::weighted::{ElementEmitter, Outputs};
 use super::{Derivative, opened};
 use crate::diagnostics::promised;
-use crate::discretise::unweighted;
+use crate::discretise::{Facts, unweighted};
 use crate::emit::{count, implementation};
 use crate::indices::Indices;
 use crate::model::{Atom, Element, Index, System};
 
 /// `impl Constrained`, for a system with constraints.
-pub(crate) fn emit(system: &mut System) -> TokenStream {
+pub(crate) fn emit(system: &mut System, facts: &Facts) -> TokenStream {
     if system.constraints.is_empty() {
         return TokenStream::new();
     }
@@ -39,6 +39,7 @@ pub(crate) fn emit(system: &mut System) -> TokenStream {
         }
         _ => quote!(__wzvi::constraints::SparseConstraints),
     };
+    let has_squares = facts.has_squares;
     let mut reads_time = false;
     let mut code = TokenStream::new();
     for (number, offset) in offsets.iter().take(system.constraints.len()).enumerate() {
@@ -59,6 +60,7 @@ pub(crate) fn emit(system: &mut System) -> TokenStream {
     let body = quote! {
         type Layout = #layout;
         const READ_TIME: __wzvi::bool = #reads_time;
+        const HAS_SQUARES: __wzvi::bool = #has_squares;
         const CONSTRAINTS: __wzvi::usize = #most;
 
         fn constraints(&self) -> __wzvi::usize {

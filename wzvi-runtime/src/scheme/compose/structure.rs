@@ -84,7 +84,7 @@ impl<K> TwoFlows for Parted<K> {
 }
 
 /// One step of a symmetric scheme.
-const WHOLE: &[Weighted<BasicMethod>] = &[Weighted { part: BasicMethod::Itself, weight: 1.0 }];
+pub(crate) const WHOLE: &[Weighted<BasicMethod>] = &[Weighted { part: BasicMethod::Itself, weight: 1.0 }];
 
 impl<K> Symmetric<K> for Midpoint {
     type Basic = Self;

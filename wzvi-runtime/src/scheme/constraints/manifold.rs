@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use super::evaluation::Multipliers;
 use super::flows::{ConstrainedFlows, largest_ratio};
+use super::general_manifold::GeneralPoint;
 use super::memory::ConstraintScratch;
 use super::{Constrained, ConstraintLayout, ConstraintRows};
 use crate::algebra::scalar::{Dual, Scalar};
@@ -17,11 +18,11 @@ use crate::scheme::elements::{Elements, EvaluationPoint, PairColumns, field};
 pub(crate) const NEAR: f64 = 1e-6;
 /// A constraint whose gradient keeps less than this fraction of its square when those of the constraints
 /// before it are taken out follows from these.
-const DEPENDENT: f64 = 1e-10;
+pub(super) const DEPENDENT: f64 = 1e-10;
 /// The most iterations of a projection.
-const MOST_ITERATIONS: u32 = 50;
+pub(super) const MOST_ITERATIONS: u32 = 50;
 /// Constraints hold to so many roundings of the coordinates that they read.
-const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+pub(super) const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
 /// How far a state is from the manifold: the largest constraint and the largest derivative of a constraint by
 /// the time, each relative to the sum of the absolute values of its terms `∂g/∂q_i q_i`, `∂g/∂q_i dq_i/dt`.
@@ -142,6 +143,14 @@ impl<F: Constrained> Manifold for F {
     }
 
     fn project(&self, q: &mut [f64], p: &mut [f64], t: f64) -> Result<Distance, StepFailure> {
+        if !F::HAS_SQUARES {
+            let mut point = GeneralPoint::new(self, ManifoldPoint { q, p, t });
+            let distance = point.project()?;
+            let [on_q, on_p] = point.state();
+            q.copy_from_slice(on_q);
+            p.copy_from_slice(on_p);
+            return Ok(distance);
+        }
         let flows = ConstrainedFlows { system: self, parameters: &[] };
         let mut scratch = scratch_at(self, q, p, t);
         let mut distance = Distance { coordinates: flows.distance(&mut scratch), momenta: 0.0 };
@@ -184,6 +193,12 @@ impl<F: Constrained> Manifold for F {
     }
 
     fn multipliers(&self, q: &[f64], p: &[f64], t: f64) -> Option<Vec<f64>> {
+        if !F::HAS_SQUARES {
+            let point = GeneralPoint::new(self, ManifoldPoint { q, p, t });
+            let [of_q, mut of_p] = point.free_rates();
+            of_p.iter_mut().zip(p).for_each(|(rate, p)| *rate -= friction_rate(self) * p);
+            return point.multipliers(&of_q, &of_p, 1.0);
+        }
         let mut scratch = scratch_at(self, q, p, t);
         if dependent::<F>(&mut scratch).is_some() {
             return None;
@@ -198,6 +213,9 @@ impl<F: Constrained> Manifold for F {
     }
 
     fn constrain_rates(&self, state: ManifoldPoint<'_>, of_q: &[f64], of_p: &mut [f64], of_t: f64) {
+        if !F::HAS_SQUARES {
+            return GeneralPoint::new(self, state).constrain(of_q, of_p, of_t);
+        }
         let ManifoldPoint { q, p, t } = state;
         let mut scratch = scratch_at(self, q, p, t);
         if dependent::<F>(&mut scratch).is_some() {
@@ -211,6 +229,10 @@ impl<F: Constrained> Manifold for F {
 
     fn make_tangent(&self, state: ManifoldPoint<'_>, deviation: &mut [f64]) {
         let ManifoldPoint { q, p, t } = state;
+        if !F::HAS_SQUARES {
+            let (of_q, of_p) = deviation.split_at_mut(q.len());
+            return GeneralPoint::new(self, state).make_tangent(of_q, of_p);
+        }
         let mut scratch = scratch_at(self, q, p, t);
         let is_singular = dependent::<F>(&mut scratch).is_some();
         let (of_q, of_p) = deviation.split_at_mut(q.len());
@@ -233,22 +255,19 @@ impl<F: Constrained> Manifold for F {
     }
 
     fn too_long(&self, q: &[f64], p: &[f64], t: f64, h: f64) -> Option<StepFailure> {
-        let scratch = scratch_at(self, q, p, t);
-        let mut normals = Normals {
-            constraints: vec![Normal::default(); Constrained::constraints(self)],
-            met: BTreeSet::new(),
-            w: scratch.w.as_ref(),
-            p,
-        };
+        let mut velocity = vec![0.0; q.len()];
+        let at = ([t, 1.0], [q, p], &[][..]);
+        let into = [&mut vec![0.0; q.len()][..], &mut velocity];
+        field::<F, f64, true, true>((self, &[]), at, into, &mut PairColumns::default());
+        let number = Constrained::constraints(self);
+        let mut normals = Normals::new(number, &velocity);
         self.constrain(&EvaluationPoint::new([q, &[][..]], t, &[], &[]), &mut normals);
-        let end: Vec<f64> =
-            q.iter().zip(p).zip(scratch.w.as_ref()).map(|((q, p), w)| q + h * w * p).collect();
-        let there = scratch_at(self, &end, p, t + h);
-        let lengths = normals.constraints.iter().zip(there.here.values.as_ref()).map(|(normal, gap)| {
-            // In the metric of the masses, then in lengths along the normal.
-            let (square, slope) = (h * h * normal.kinetic, normal.weighted.sqrt());
-            let along = (normal.weighted / normal.square).sqrt();
-            [square.sqrt() * along, 0.5 * square * slope / gap.abs() * along]
+        let end: Vec<f64> = q.iter().zip(&velocity).map(|(q, v)| q + h * v).collect();
+        let mut there = Normals::new(number, &velocity);
+        self.constrain(&EvaluationPoint::new([&end[..], &[][..]], t + h, &[], &[]), &mut there);
+        let lengths = normals.constraints.iter().zip(&there.constraints).map(|(normal, there)| {
+            let square = h * h * normal.speed;
+            [square.sqrt(), 0.5 * square * normal.square.sqrt() / there.value.abs()]
         });
         let worst = lengths.enumerate().max_by(|(_, a), (_, b)| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));
         let (constraint, [length, radius]) = worst?;
@@ -260,6 +279,11 @@ impl<F: Constrained> Manifold for F {
             radius,
         })
     }
+}
+
+/// The rate of friction that steps include.
+fn friction_rate<F: Constrained>(system: &F) -> f64 {
+    if F::FACTS.kind.is_conformal { Elements::friction_rate(system, &[]) } else { 0.0 }
 }
 
 /// `λ` at the state of the scratch, whose `G W Gᵀ` is factored, for motion with these rates without constraints:
@@ -290,34 +314,39 @@ fn impulse_rates<F: Constrained>(
     corrections.clone()
 }
 
-/// The gradient of a constraint, and the motion of the coordinates that it reads.
+/// A constraint, its gradient, and the motion of the coordinates that it reads.
 #[derive(Clone, Copy, Debug, Default)]
 struct Normal {
-    /// `Σ_i G_i²`
+    value: f64,
+    /// `|G|²`
     square: f64,
-    /// `Σ_i G_i² W_i`
-    weighted: f64,
-    /// `Σ_i W_i p_i²` of the coordinates that it reads.
-    kinetic: f64,
+    /// The square of the velocity of the coordinates that it reads.
+    speed: f64,
 }
 
-/// Collects the gradients of constraints.
+/// Collects constraints with their gradients.
 struct Normals<'a> {
     constraints: Vec<Normal>,
     met: BTreeSet<[usize; 2]>,
-    w: &'a [f64],
-    p: &'a [f64],
+    velocity: &'a [f64],
+}
+
+impl<'a> Normals<'a> {
+    fn new(constraints: usize, velocity: &'a [f64]) -> Self {
+        Self { constraints: vec![Normal::default(); constraints], met: BTreeSet::new(), velocity }
+    }
 }
 
 impl ConstraintRows<f64> for Normals<'_> {
-    fn value(&mut self, _: usize, _: f64) {}
+    fn value(&mut self, constraint: usize, value: f64) {
+        self.constraints[constraint].value += value;
+    }
 
     fn slope(&mut self, constraint: usize, coordinate: usize, slope: f64) {
-        let (normal, w, p) = (&mut self.constraints[constraint], self.w[coordinate], self.p[coordinate]);
+        let (normal, v) = (&mut self.constraints[constraint], self.velocity[coordinate]);
         normal.square += slope * slope;
-        normal.weighted += slope * slope * w;
         if self.met.insert([constraint, coordinate]) {
-            normal.kinetic += w * p * p;
+            normal.speed += v * v;
         }
     }
 

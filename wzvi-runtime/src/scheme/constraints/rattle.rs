@@ -11,7 +11,9 @@ use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state_sum::{self, StateSum};
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::compose::{ComposedWord, Composes, Listing, Symmetric, plan};
+use crate::scheme::compose::{
+    BasicMethod, ComposedWord, Composes, General, Listing, Nystrom, PairComposition, Symmetric, WHOLE, plan,
+};
 use crate::scheme::elements::{Elements, check_new};
 use crate::scheme::plan::{KeptEnergy, Plan, Solver};
 use crate::scheme::system::{
@@ -36,7 +38,17 @@ const STEP: &[Weighted] = &[part(Part::B, 0.5), part(Part::A, 1.0), part(Part::B
 const WITH_FRICTION: &[Weighted] =
     &[part(Part::O, 0.5), part(Part::B, 0.5), part(Part::A, 1.0), part(Part::B, 0.5), part(Part::O, 0.5)];
 
-impl<K> Symmetric<K> for Rattle {
+/// Any Hamiltonian.
+impl Symmetric<General> for Rattle {
+    type Basic = Self;
+    type Adjoint = Self;
+    type Part = BasicMethod;
+    type Steps<W> = PairComposition<Self, Self, W>;
+    const STEP: &'static [Weighted<BasicMethod>] = WHOLE;
+}
+
+/// `p · W p / 2 + V(q, t)` with a diagonal matrix `W`.
+impl Symmetric<Nystrom> for Rattle {
     type Basic = Self;
     type Adjoint = Self;
     type Part = Part;
