@@ -220,8 +220,8 @@ pub(crate) struct Temperature {
     pub(crate) reads_time: bool,
 }
 
-/// The members `0..count` of a family of noises or constraints; `variable` is the loop variable that counts them. It is the
-/// outermost loop of every element of the family.
+/// The members `0..count` of a family of noises or constraints; `variable` is the loop variable that counts
+/// them. It is the outermost loop of every element of the family.
 #[derive(Clone)]
 pub(crate) struct Family {
     pub(crate) variable: u32,

@@ -107,8 +107,8 @@ impl Plans {
         self.schemes.iter().filter(|scheme| needed.contains(&scheme.embedding)).collect()
     }
 
-    /// Whether a step needs second derivatives: one on a manifold that is no word of flows, one that is solved in loops, or one whose momentum between
-    /// its ends is solved for.
+    /// Whether a step needs second derivatives: one on a manifold that is no word of flows, one that is
+    /// solved in loops, or one whose momentum between its ends is solved for.
     pub(crate) fn needs_hessian(&self) -> bool {
         self.is_general_on_manifold
             || self.schemes.iter().any(|SchemePlan { quadrature, step, .. }| {

@@ -53,8 +53,8 @@ pub enum StepFailure {
         /// The largest number that is factored.
         most: usize,
     },
-    /// No step of this size ends on the manifold of the constraints: the way along the tangent is long against
-    /// the radius of curvature. On a sphere there is no end beyond the radius.
+    /// No step of this size ends on the manifold of the constraints: the way along the tangent is long
+    /// against the radius of curvature. On a sphere there is no end beyond the radius.
     BeyondCurvature {
         /// The number of the constraint, from 0.
         constraint: usize,
@@ -70,10 +70,11 @@ pub enum StepFailure {
     },
     /// The state is not on the manifold of the constraints.
     OffManifold {
-        /// The distance of the coordinates, and that of the momenta:
-        /// [`Distance`](crate::scheme::constraints::Distance).
+        /// The relative distance of the coordinates:
+        /// [`Distance::coordinates`](crate::scheme::constraints::Distance::coordinates).
         coordinates: f64,
-        /// Of the momenta.
+        /// The relative distance of the momenta:
+        /// [`Distance::momenta`](crate::scheme::constraints::Distance::momenta).
         momenta: f64,
     },
     /// The new state (or an intermediate value) overflowed or is undefined.

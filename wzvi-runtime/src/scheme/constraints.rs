@@ -30,7 +30,7 @@ mod rattle;
 mod sparse;
 mod word;
 
-pub use dense::Dense;
+pub use dense::DenseConstraints;
 pub use evaluation::ConstraintRows;
 pub use general::{GeneralRattle, GeneralRattleConstants, GeneralRattleMemory};
 pub use layout::ConstraintLayout;
@@ -54,8 +54,8 @@ pub trait Constrained: Elements {
     /// Whether a constraint reads the time.
     const READ_TIME: bool;
 
-    /// Whether `H_0` is `p · W p / 2 + V(q, t)` with a constant diagonal matrix `W`, and neither a noise nor a
-    /// force reads momenta.
+    /// Whether `H_0` is `p · W p / 2 + V(q, t)` with a constant diagonal matrix `W`, and neither a noise nor
+    /// a force reads momenta.
     const HAS_SQUARES: bool;
 
     /// The number of constraints, where the compiler knows it; else `usize::MAX`.

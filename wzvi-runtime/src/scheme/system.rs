@@ -134,8 +134,8 @@ pub trait Hamiltonian {
     }
 
     /// The multipliers `λ` of the constraints in the motion through a state, one for each:
-    /// `dp/dt = -∂H_0/∂q + f - Gᵀ λ` with `G = ∂g/∂q`, so that `d²g/dt² = 0`. For `g = (|q|² - l²)/2` of a rod,
-    /// `λ l` is its tension. They are a function of the state, as exact as it; noise and a bath add
+    /// `dp/dt = -∂H_0/∂q + f - Gᵀ λ` with `G = ∂g/∂q`, so that `d²g/dt² = 0`. For `g = (|q|² - l²)/2` of a
+    /// rod, `λ l` is its tension. They are a function of the state, as exact as it; noise and a bath add
     /// impulses that have no rate. Empty without constraints; `None` where constraints depend on each other,
     /// or the state does not fit.
     fn multipliers(&self, state: &State<Self::Vector>) -> Option<Vec<f64>> {

@@ -101,8 +101,8 @@ where
     }
 }
 
-/// The deviations of a run from this start: `wanted` ones, of those that are given the first. With constraints
-/// they are projected on the tangent space of the manifold.
+/// The deviations of a run from this start: `wanted` ones, of those that are given the first. With
+/// constraints they are projected on the tangent space of the manifold.
 ///
 /// # Errors
 /// [`ConfigError::Setting`] for more than are independent, for fewer given ones, and for those that are none.

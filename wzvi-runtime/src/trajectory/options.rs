@@ -265,11 +265,12 @@ macro_rules! options {
         }
     };
     (@ temperatures) => {
-        /// Observes `kinetic temperature`, `p · ∂H/∂p / d`, and `configurational temperature`, `q · ∂H/∂q /
-        /// d`, in units of energy, with the Hamiltonian of the path. Under the Gibbs measure their averages
-        /// are the temperature, the second one if the system is confined. Where the temperatures of the
-        /// degrees of freedom differ, the run is an error: there is no one temperature. With constraints `d` is
-        /// the number of degrees of freedom that are left, and there is the kinetic temperature alone.
+        /// Observes `kinetic temperature`, `p · ∂H/∂p / d`, and `configurational temperature`,
+        /// `q · ∂H/∂q / d`, in units of energy, with the Hamiltonian of the path. Under the Gibbs measure
+        /// their averages are the temperature, the second one if the system is confined. Where the
+        /// temperatures of the degrees of freedom differ, the run is an error: there is no one temperature.
+        /// With constraints `d` is the number of degrees of freedom that are left, and there is the kinetic
+        /// temperature alone.
         pub fn observe_temperatures(mut self) -> Self
         where
             H: Sync,
@@ -285,8 +286,8 @@ macro_rules! options {
 
         /// Observes the temperatures of each degree of freedom, numbered from 0: `kinetic temperature 0`,
         /// ..., `configurational temperature 0`, ... Their number is that of a system that knows its size, or
-        /// of the start, which is then given before. With constraints the run is an error: momenta in a tangent
-        /// plane do not share the energy one by one.
+        /// of the start, which is then given before. With constraints the run is an error: momenta in a
+        /// tangent plane do not share the energy one by one.
         pub fn observe_equipartition(mut self) -> Self
         where
             H: Sync,

@@ -61,7 +61,7 @@ Discrete Euler-Lagrange equations, with G = ∂g/∂q
     )
 }
 
-/// What is solved in a step.
+/// The equations that a step solves, and their matrices.
 fn solvers(system: &System, facts: &Facts, text: &mut String) {
     let constraints = system.constraint_offsets().last().and_then(|all| all.as_integer());
     let left = system.degrees_in_straight_lines().zip(constraints).map(|(degrees, constraints)| {

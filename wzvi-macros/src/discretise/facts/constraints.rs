@@ -188,8 +188,8 @@ fn only_value(sum: &Sum) -> Option<Expr> {
 /// A linear form in terms, the constant among them.
 type TermRow = BTreeMap<Expr, Rational>;
 
-/// What is left of an expression when constant multiples of others are taken out: by elimination of their
-/// terms. `None` where fractions leave the exact range.
+/// The remainder of an expression after elimination of constant multiples of others, term by term. `None`
+/// where fractions leave the exact range.
 fn remainder(graph: &mut Graph, whole: Expr, basis: &[Expr]) -> Option<Expr> {
     let mut rows: Vec<(Expr, TermRow)> = Vec::new();
     for &known in basis {

@@ -35,7 +35,7 @@ pub(crate) fn emit(system: &mut System, facts: &Facts) -> TokenStream {
     let layout = match (&system.line, known.map(count)) {
         (Some(line), Some(known)) => {
             let degrees = count(line.phase.q.len());
-            quote!(__wzvi::constraints::Dense<#degrees, #known>)
+            quote!(__wzvi::constraints::DenseConstraints<#degrees, #known>)
         }
         _ => quote!(__wzvi::constraints::SparseConstraints),
     };

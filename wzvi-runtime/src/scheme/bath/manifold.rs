@@ -4,10 +4,10 @@
 //! kick of h/2, drift of h/2, O, drift of h/2, kick of h/2,    O:  p <- Π (c p + √(kT (1 - c²)) M^{1/2} ξ)
 //! ```
 //!
-//! with `Π = 1 - Gᵀ (G W Gᵀ)⁻¹ G W`, `W = M⁻¹`, after each part; a drift ends on the manifold by the impulse of
-//! [RATTLE](crate::scheme::constraints). For one rate of friction O is exact: it keeps the law of momenta that
-//! are tangent, with covariance `kT Π M`. The law of the motion is `e^{-H/kT}` on the manifold, in the measure
-//! of the constrained motion and not in that of stiff springs (B. Leimkuhler, C. Matthews, "Efficient
+//! with `Π = 1 - Gᵀ (G W Gᵀ)⁻¹ G W`, `W = M⁻¹`, after each part; a drift ends on the manifold by the impulse
+//! of [RATTLE](crate::scheme::constraints). For one rate of friction O is exact: it keeps the law of momenta
+//! that are tangent, with covariance `kT Π M`. The law of the motion is `e^{-H/kT}` on the manifold, in the
+//! measure of the constrained motion and not in that of stiff springs (B. Leimkuhler, C. Matthews, "Efficient
 //! molecular dynamics using geodesic integration and solvent-solute splitting", Proc. R. Soc. A 472, 2016).
 
 use super::letters::{A, B, Letter, Letters, O};

@@ -8,9 +8,9 @@ use crate::algebra::shape::Fixed;
 
 /// `M` constraints of `D` degrees of freedom, all of whose entries are stored.
 #[derive(Clone, Copy, Debug)]
-pub struct Dense<const D: usize, const M: usize>;
+pub struct DenseConstraints<const D: usize, const M: usize>;
 
-impl<const D: usize, const M: usize> ConstraintLayout for Dense<D, M> {
+impl<const D: usize, const M: usize> ConstraintLayout for DenseConstraints<D, M> {
     type Multipliers = Fixed<M>;
     type Pattern = ();
     type Jacobian<S: Scalar> = [[S; D]; M];

@@ -63,8 +63,8 @@ impl<F: Constrained, S: Scalar> ConstrainedFlows<'_, F, S> {
         field::<F, S, false, true>((self.system, self.parameters), at, [&mut [], w.as_mut()], columns);
     }
 
-    /// `p ← p - h ∂H/∂q` with the noises of this fraction of the step. `may_reuse`: the last kick was at these
-    /// coordinates.
+    /// `p ← p - h ∂H/∂q` with the noises of this fraction of the step. `may_reuse`: the last kick was at
+    /// these coordinates.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn kick<C: StateSum<S>>(
         &self,

@@ -47,7 +47,7 @@ pub(super) struct DenseMatrix<S> {
 }
 
 impl<S: Scalar> DenseMatrix<S> {
-    /// Zeros.
+    /// Makes it `n` rows and columns of zeros.
     pub(super) fn reset(&mut self, n: usize) {
         self.n = n;
         self.entries.clear();
@@ -106,15 +106,15 @@ impl<S: Scalar> DenseMatrix<S> {
 
 /// Constraints at a point, with the whole Jacobian.
 #[derive(Clone, Debug, Default)]
-pub(super) struct DenseConstraints<S> {
+pub(super) struct GeneralConstraints<S> {
     degrees: usize,
     pub(super) values: Vec<S>,
     pub(super) rates: Vec<S>,
-    /// By rows.
+    /// The Jacobian, by rows.
     jacobian: Vec<S>,
 }
 
-impl<S: Scalar> ConstraintRows<S> for DenseConstraints<S> {
+impl<S: Scalar> ConstraintRows<S> for GeneralConstraints<S> {
     fn value(&mut self, constraint: usize, value: S) {
         self.values[constraint] = self.values[constraint] + value;
     }
@@ -129,7 +129,7 @@ impl<S: Scalar> ConstraintRows<S> for DenseConstraints<S> {
     }
 }
 
-impl<S: Scalar> DenseConstraints<S> {
+impl<S: Scalar> GeneralConstraints<S> {
     /// The constraints at coordinates.
     pub(super) fn evaluate<F: Constrained>(&mut self, of: &GeneralField<'_, F, S>, q: &[S], t: S::Constant) {
         let (constraints, zero) = (Constrained::constraints(of.system), S::from_f64(0.0));
@@ -250,7 +250,7 @@ impl<F: Constrained, S: Scalar> GeneralField<'_, F, S> {
     pub(super) fn normal_matrix(
         &self,
         at: &StepPoint<'_, S>,
-        constraints: &DenseConstraints<S>,
+        constraints: &GeneralConstraints<S>,
         into: &mut DenseMatrix<S>,
     ) {
         into.reset(constraints.values.len());
@@ -267,7 +267,7 @@ impl<F: Constrained, S: Scalar> GeneralField<'_, F, S> {
     pub(super) fn rates(
         &self,
         at: &StepPoint<'_, S>,
-        constraints: &DenseConstraints<S>,
+        constraints: &GeneralConstraints<S>,
         gradient: &mut FieldGradient<S>,
         columns: &mut PairColumns,
         into: &mut [S],
@@ -283,7 +283,7 @@ impl<F: Constrained, S: Scalar> GeneralField<'_, F, S> {
         [q, p]: [&[S]; 2],
         t: S::Constant,
         room: &mut TangentRoom<S>,
-        constraints: &DenseConstraints<S>,
+        constraints: &GeneralConstraints<S>,
     ) -> S::Mask {
         let TangentRoom { matrix, gradient, columns, kappa, moved } = room;
         let (zero, one) = (S::from_f64(0.0), Scalar::from_f64(1.0));
@@ -356,7 +356,7 @@ pub(super) struct StepPoint<'a, S: Scalar> {
 #[derive(Clone, Copy, Debug)]
 pub enum GeneralRattle {}
 
-/// What a step reads.
+/// The constants of steps.
 #[derive(Clone, Debug)]
 pub struct GeneralRattleConstants<K> {
     parameters: Vec<K>,
@@ -364,7 +364,7 @@ pub struct GeneralRattleConstants<K> {
     decay: Option<K>,
 }
 
-/// What a step keeps for the next one, and its scratch.
+/// The memory of steps for any Hamiltonian.
 #[derive(Debug, Default)]
 pub struct GeneralRattleMemory<S: Scalar> {
     past: PastImpulses<S, Dynamic>,
@@ -382,8 +382,8 @@ step_memory! {
 struct GeneralRoom<S> {
     tangent: TangentRoom<S>,
     /// The constraints at the start and at the end.
-    here: DenseConstraints<S>,
-    there: DenseConstraints<S>,
+    here: GeneralConstraints<S>,
+    there: GeneralConstraints<S>,
     /// The gradient at the end.
     ahead: FieldGradient<S>,
     /// The momenta at the start, after friction.

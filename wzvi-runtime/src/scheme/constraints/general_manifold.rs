@@ -2,7 +2,7 @@
 
 use super::Constrained;
 use super::flows::largest_ratio;
-use super::general::{DenseConstraints, DenseMatrix, GeneralField, StepPoint, TangentRoom};
+use super::general::{DenseMatrix, GeneralConstraints, GeneralField, StepPoint, TangentRoom};
 use super::manifold::{DEPENDENT, Distance, MOST_ITERATIONS, ManifoldPoint, NEAR, ROUNDINGS};
 use crate::algebra::scalar::Dual;
 use crate::error::StepFailure;
@@ -13,8 +13,8 @@ pub(super) struct GeneralPoint<'a, F> {
     q: Vec<f64>,
     p: Vec<f64>,
     t: f64,
-    constraints: DenseConstraints<f64>,
-    /// Factored.
+    constraints: GeneralConstraints<f64>,
+    /// Its factors.
     matrix: DenseMatrix<f64>,
     /// The first constraint that follows from others.
     dependent: Option<usize>,
@@ -23,7 +23,7 @@ pub(super) struct GeneralPoint<'a, F> {
 impl<'a, F: Constrained> GeneralPoint<'a, F> {
     pub(super) fn new(system: &'a F, ManifoldPoint { q, p, t }: ManifoldPoint<'_>) -> Self {
         let of = GeneralField { system, parameters: &[] };
-        let (q, p, constraints) = (q.to_vec(), p.to_vec(), DenseConstraints::default());
+        let (q, p, constraints) = (q.to_vec(), p.to_vec(), GeneralConstraints::default());
         let mut point = Self { of, q, p, t, constraints, matrix: DenseMatrix::default(), dependent: None };
         point.evaluate();
         point
@@ -57,7 +57,7 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
     /// Projects the state, as [`Manifold::project`](super::Manifold::project).
     ///
     /// # Errors
-    /// As there.
+    /// [`StepFailure::Dependent`], [`StepFailure::NotConverged`], as there.
     pub(super) fn project(&mut self) -> Result<Distance, StepFailure> {
         let mut distance = Distance { coordinates: self.distance_of_coordinates(), momenta: 0.0 };
         let (mut residual, mut before, mut iterations) = (distance.coordinates, f64::INFINITY, 0);
@@ -126,7 +126,7 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
         let (q, p) = (moved(&self.q, of_q), moved(&self.p, of_p));
         let t = Dual { value: self.t, derivative: [of_t] };
         let of = GeneralField::<F, Dual<1>> { system: self.of.system, parameters: &[] };
-        let mut constraints = DenseConstraints::default();
+        let mut constraints = GeneralConstraints::default();
         constraints.evaluate(&of, &q, t);
         let mut rates = vec![Dual::<1>::default(); constraints.values.len()];
         let at = StepPoint { q: &q, p: &p, t, h: Dual { value: 1.0, derivative: [0.0] }, dw: &[] };

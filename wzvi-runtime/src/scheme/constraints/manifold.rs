@@ -24,18 +24,19 @@ pub(super) const MOST_ITERATIONS: u32 = 50;
 /// Constraints hold to so many roundings of the coordinates that they read.
 pub(super) const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
-/// How far a state is from the manifold: the largest constraint and the largest derivative of a constraint by
-/// the time, each relative to the sum of the absolute values of its terms `∂g/∂q_i q_i`, `∂g/∂q_i dq_i/dt`.
+/// The relative distance of a state from the manifold. It has no unit and does not depend on the units of the
+/// system.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Distance {
-    /// Of the coordinates.
+    /// The distance of the coordinates: the largest `|g_k| / Σ_i |∂g_k/∂q_i q_i|`.
     pub coordinates: f64,
-    /// Of the momenta.
+    /// The distance of the momenta from the tangent space: the largest
+    /// `|dg_k/dt| / (Σ_i |∂g_k/∂q_i dq_i/dt| + |∂g_k/∂t|)`.
     pub momenta: f64,
 }
 
 impl Distance {
-    /// Whether it is more than the rounding of a start that somebody computed.
+    /// Whether the distance is more than the rounding of a start that somebody computed.
     pub(crate) fn is_large(self) -> bool {
         let is_small = |distance: f64| distance <= NEAR;
         !(is_small(self.coordinates) && is_small(self.momenta))
@@ -80,23 +81,28 @@ pub trait Manifold {
     /// `dp/dt = -∂H/∂q + f - Gᵀ λ`, where `d²g/dt² = 0`. `None` where `G W Gᵀ` is singular.
     fn multipliers(&self, q: &[f64], p: &[f64], t: f64) -> Option<Vec<f64>>;
 
-    /// Adds `-Gᵀ λ` to the rates of the momenta, so that motion with these rates of the coordinates, the momenta
-    /// and the time stays on the manifold; NaN where `G W Gᵀ` is singular.
+    /// Adds `-Gᵀ λ` to the rates of the momenta, so that motion with these rates of the coordinates, the
+    /// momenta and the time stays on the manifold; NaN where `G W Gᵀ` is singular.
     fn constrain_rates(&self, state: ManifoldPoint<'_>, of_q: &[f64], of_p: &mut [f64], of_t: f64);
 
-    /// Projects a deviation of coordinates and momenta, one after the other in a list, on the tangent space of the
-    /// manifold at a state on it.
+    /// Projects a deviation of coordinates and momenta, one after the other in a list, on the tangent space
+    /// of the manifold at a state on it.
     fn make_tangent(&self, state: ManifoldPoint<'_>, deviation: &mut [f64]);
 
     /// Why no step of this size ends on the manifold: the tangent leaves it farther than it curves.
     fn too_long(&self, q: &[f64], p: &[f64], t: f64, h: f64) -> Option<StepFailure>;
 }
 
-type Scratch<F, S = f64> = ConstraintScratch<S, <F as Constrained>::Layout, <F as Elements>::Shape>;
+type ManifoldScratch<F, S = f64> = ConstraintScratch<S, <F as Constrained>::Layout, <F as Elements>::Shape>;
 
 /// Scratch with a state, the constraints there, and `W`.
-fn scratch_at<F: Constrained, S: Scalar>(system: &F, q: &[S], p: &[S], t: S::Constant) -> Scratch<F, S> {
-    let mut scratch: Scratch<F, S> = ConstraintScratch::new(system, q.len(), 0);
+fn scratch_at<F: Constrained, S: Scalar>(
+    system: &F,
+    q: &[S],
+    p: &[S],
+    t: S::Constant,
+) -> ManifoldScratch<F, S> {
+    let mut scratch: ManifoldScratch<F, S> = ConstraintScratch::new(system, q.len(), 0);
     scratch.q.as_mut().copy_from_slice(q);
     scratch.p.as_mut().copy_from_slice(p);
     let flows = ConstrainedFlows { system, parameters: &[] };
@@ -106,7 +112,7 @@ fn scratch_at<F: Constrained, S: Scalar>(system: &F, q: &[S], p: &[S], t: S::Con
 }
 
 /// `|(G W p + ∂g/∂t)_k| / Σ_i |G_ki W_i p_i|`, the largest.
-fn distance_of_momenta<F: Constrained>(scratch: &mut Scratch<F>) -> f64 {
+fn distance_of_momenta<F: Constrained>(scratch: &mut ManifoldScratch<F>) -> f64 {
     let ConstraintScratch { pattern, here, p, w, velocity, impulses, bounds, .. } = scratch;
     let velocity = velocity.as_mut();
     for ((velocity, p), w) in velocity.iter_mut().zip(p.as_ref()).zip(w.as_ref()) {
@@ -125,7 +131,7 @@ fn distance_of_momenta<F: Constrained>(scratch: &mut Scratch<F>) -> f64 {
 }
 
 /// The first constraint that follows from others at the state of the scratch, whose `G W Gᵀ` is factored.
-fn dependent<F: Constrained>(scratch: &mut Scratch<F>) -> Option<usize> {
+fn dependent<F: Constrained>(scratch: &mut ManifoldScratch<F>) -> Option<usize> {
     let ConstraintScratch { pattern, here, factors, w, bounds, corrections, .. } = scratch;
     F::Layout::factor(pattern, &here.jacobian, w.as_ref(), &here.jacobian, factors);
     F::Layout::diagonal(pattern, &here.jacobian, w.as_ref(), bounds.as_mut());
@@ -260,10 +266,10 @@ impl<F: Constrained> Manifold for F {
         let into = [&mut vec![0.0; q.len()][..], &mut velocity];
         field::<F, f64, true, true>((self, &[]), at, into, &mut PairColumns::default());
         let number = Constrained::constraints(self);
-        let mut normals = Normals::new(number, &velocity);
+        let mut normals = ManifoldNormals::new(number, &velocity);
         self.constrain(&EvaluationPoint::new([q, &[][..]], t, &[], &[]), &mut normals);
         let end: Vec<f64> = q.iter().zip(&velocity).map(|(q, v)| q + h * v).collect();
-        let mut there = Normals::new(number, &velocity);
+        let mut there = ManifoldNormals::new(number, &velocity);
         self.constrain(&EvaluationPoint::new([&end[..], &[][..]], t + h, &[], &[]), &mut there);
         let lengths = normals.constraints.iter().zip(&there.constraints).map(|(normal, there)| {
             let square = h * h * normal.speed;
@@ -286,11 +292,11 @@ fn friction_rate<F: Constrained>(system: &F) -> f64 {
     if F::FACTS.kind.is_conformal { Elements::friction_rate(system, &[]) } else { 0.0 }
 }
 
-/// `λ` at the state of the scratch, whose `G W Gᵀ` is factored, for motion with these rates without constraints:
-/// the derivative of `G W p + ∂g/∂t` along it, by a dual number, is `G W Gᵀ λ`.
+/// `λ` at the state of the scratch, whose `G W Gᵀ` is factored, for motion with these rates without
+/// constraints: the derivative of `G W p + ∂g/∂t` along it, by a dual number, is `G W Gᵀ λ`.
 fn impulse_rates<F: Constrained>(
     system: &F,
-    scratch: &mut Scratch<F>,
+    scratch: &mut ManifoldScratch<F>,
     t: f64,
     of_q: &[f64],
     of_p: &[f64],
@@ -300,7 +306,8 @@ fn impulse_rates<F: Constrained>(
         x.iter().zip(rates).map(|(&value, &rate)| Dual { value, derivative: [rate] }).collect()
     };
     let (q, p) = (moved(scratch.q.as_ref(), of_q), moved(scratch.p.as_ref(), of_p));
-    let there: Scratch<F, Dual<1>> = scratch_at(system, &q, &p, Dual { value: t, derivative: [of_t] });
+    let there: ManifoldScratch<F, Dual<1>> =
+        scratch_at(system, &q, &p, Dual { value: t, derivative: [of_t] });
     let ConstraintScratch { pattern, here, w, .. } = &there;
     let velocity: Vec<Dual<1>> = p.iter().zip(w.as_ref()).map(|(&p, &w)| w * p).collect();
     let mut rates = vec![Dual::<1>::from_f64(0.0); Constrained::constraints(system)];
@@ -316,7 +323,7 @@ fn impulse_rates<F: Constrained>(
 
 /// A constraint, its gradient, and the motion of the coordinates that it reads.
 #[derive(Clone, Copy, Debug, Default)]
-struct Normal {
+struct ManifoldNormal {
     value: f64,
     /// `|G|²`
     square: f64,
@@ -325,19 +332,19 @@ struct Normal {
 }
 
 /// Collects constraints with their gradients.
-struct Normals<'a> {
-    constraints: Vec<Normal>,
+struct ManifoldNormals<'a> {
+    constraints: Vec<ManifoldNormal>,
     met: BTreeSet<[usize; 2]>,
     velocity: &'a [f64],
 }
 
-impl<'a> Normals<'a> {
+impl<'a> ManifoldNormals<'a> {
     fn new(constraints: usize, velocity: &'a [f64]) -> Self {
-        Self { constraints: vec![Normal::default(); constraints], met: BTreeSet::new(), velocity }
+        Self { constraints: vec![ManifoldNormal::default(); constraints], met: BTreeSet::new(), velocity }
     }
 }
 
-impl ConstraintRows<f64> for Normals<'_> {
+impl ConstraintRows<f64> for ManifoldNormals<'_> {
     fn value(&mut self, constraint: usize, value: f64) {
         self.constraints[constraint].value += value;
     }

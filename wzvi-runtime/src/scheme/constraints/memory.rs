@@ -1,4 +1,4 @@
-//! What a step with constraints keeps for the next one, and its scratch.
+//! The memory of steps with constraints: the impulses of past steps, and scratch.
 
 use super::evaluation::{ConstraintsAt, Multipliers};
 use super::past::PastImpulses;
@@ -10,10 +10,10 @@ use crate::algebra::state_sum::StateSum;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::PairColumns;
 
-/// What a step keeps for the next one, and its scratch.
+/// The memory of steps with constraints.
 #[derive(Debug)]
 pub struct ConstraintMemory<S: Scalar, L: ConstraintLayout, H: Shape> {
-    /// For each drift of the step.
+    /// The impulses of past steps, for each drift of the step.
     past: Vec<PastImpulses<S, L::Multipliers>>,
     reached: ReachedNode,
     scratch: Option<Box<ConstraintScratch<S, L, H>>>,
@@ -143,7 +143,7 @@ pub(crate) struct ConstraintScratch<S: Scalar, L: ConstraintLayout, H: Shape> {
 }
 
 impl<S: Scalar, L: ConstraintLayout, H: Shape> ConstraintScratch<S, L, H> {
-    /// For a system with so many degrees of freedom and noises.
+    /// Scratch for a system with so many degrees of freedom and noises.
     pub(super) fn new<F: Constrained<Layout = L>>(system: &F, degrees: usize, noises: usize) -> Self {
         let (pattern, constraints) = (L::pattern(system, degrees), system.constraints());
         let list = || H::list(degrees, S::from_f64(0.0));

@@ -23,8 +23,8 @@ use crate::scheme::word::{Part, Substep, Weighted, Word};
 
 /// RATTLE: [`Verlet`](crate::scheme::compose::Verlet) on the manifold of [constraints](super), symmetric,
 /// symplectic, and of order two. The constraints and their derivatives by the time hold at every node.
-/// [`Composed`](crate::scheme::compose::Composed) has higher orders. Friction with one rate for all degrees of
-/// freedom acts for half of a step before it and for the other half after it.
+/// [`Composed`](crate::scheme::compose::Composed) has higher orders. Friction with one rate for all degrees
+/// of freedom acts for half of a step before it and for the other half after it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rattle;
 

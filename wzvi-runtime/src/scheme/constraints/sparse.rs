@@ -126,13 +126,13 @@ impl Elimination {
     }
 }
 
-/// Records which slopes there are.
+/// Collects the places of the slopes: their constraints and coordinates.
 #[derive(Default)]
-struct Survey {
+struct SlopePlaces {
     slopes: Vec<[u32; 2]>,
 }
 
-impl ConstraintRows<f64> for Survey {
+impl ConstraintRows<f64> for SlopePlaces {
     fn value(&mut self, _: usize, _: f64) {}
 
     fn slope(&mut self, constraint: usize, coordinate: usize, _: f64) {
@@ -207,10 +207,10 @@ impl ConstraintLayout for SparseConstraints {
     type Factors<S: Scalar> = Vec<S>;
 
     fn pattern<F: Constrained<Layout = Self>>(system: &F, degrees: usize) -> Arc<SparsePattern> {
-        let mut survey = Survey::default();
+        let mut places = SlopePlaces::default();
         let q = vec![0.0; degrees];
-        system.constrain(&EvaluationPoint::new([&q[..], &[][..]], 0.0, &[], &[]), &mut survey);
-        Arc::new(SparsePattern::new(system.constraints(), &survey.slopes))
+        system.constrain(&EvaluationPoint::new([&q[..], &[][..]], 0.0, &[], &[]), &mut places);
+        Arc::new(SparsePattern::new(system.constraints(), &places.slopes))
     }
 
     fn jacobian<S: Scalar>(pattern: &Arc<SparsePattern>) -> Vec<S> {

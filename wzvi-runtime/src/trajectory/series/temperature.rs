@@ -111,9 +111,9 @@ fn product_at<V: Vector>(x: &V, slope: &V, i: usize) -> f64 {
 }
 
 impl<V: Vector, E> Trajectory<V, E> {
-    /// The temperatures of all degrees of freedom, by averages over the recorded nodes. With constraints only the
-    /// kinetic temperature of all together, over the degrees of freedom that are left: momenta in a tangent
-    /// plane do not share the energy one by one.
+    /// The temperatures of all degrees of freedom, by averages over the recorded nodes. With constraints only
+    /// the kinetic temperature of all together, over the degrees of freedom that are left: momenta in a
+    /// tangent plane do not share the energy one by one.
     pub fn equipartition<H: Discretized<E, Vector = V>>(&self, system: &H) -> Equipartition {
         let degrees = self.last().q.components().len();
         let lists = || vec![BatchMeans::new(); degrees];
