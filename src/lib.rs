@@ -239,6 +239,7 @@ pub mod prelude {
     pub use wzvi_runtime::noise::{StepNormals, Wiener, WongZakai};
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;
+    pub use wzvi_runtime::scheme::constraints::Rotation;
     pub use wzvi_runtime::scheme::elements::Iteration;
     pub use wzvi_runtime::scheme::embedding::prelude::*;
     pub use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};

@@ -6,4 +6,5 @@
 mod between;
 mod general;
 mod references;
+mod rigid_bodies;
 mod systems;

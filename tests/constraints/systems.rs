@@ -41,20 +41,12 @@ pub struct WarmSphere {
 #[derive(Clone, Debug)]
 pub struct DoublePendulum;
 
-/// A symmetric top with a fixed point, by the rows of its rotation matrix.
+/// Lagrange's top: two moments are equal, and the weight is on the axis of the third.
 #[hamiltonian(
-    drift = |q: [[f64; 3]; 3], p: [[f64; 3]; 3]| (0..3)
+    drift = |q: Rotation, p| (0..3)
         .map(|i| 0.5 * (p[i][0] * p[i][0] / 0.75 + p[i][1] * p[i][1] / 0.75 + p[i][2] * p[i][2] / 0.25))
         .sum::<f64>()
         + 2.0 * q[2][2],
-    constraint = [
-        |q| 0.5 * (q[0][0] * q[0][0] + q[1][0] * q[1][0] + q[2][0] * q[2][0] - 1.0),
-        |q| 0.5 * (q[0][1] * q[0][1] + q[1][1] * q[1][1] + q[2][1] * q[2][1] - 1.0),
-        |q| 0.5 * (q[0][2] * q[0][2] + q[1][2] * q[1][2] + q[2][2] * q[2][2] - 1.0),
-        |q| q[0][0] * q[0][1] + q[1][0] * q[1][1] + q[2][0] * q[2][1],
-        |q| q[0][0] * q[0][2] + q[1][0] * q[1][2] + q[2][0] * q[2][2],
-        |q| q[0][1] * q[0][2] + q[1][1] * q[1][2] + q[2][1] * q[2][2],
-    ],
     embedding = Rattle,
     // The vertical angular momentum in space, and that along the axis of the body.
     invariant = [

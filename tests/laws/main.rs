@@ -32,6 +32,8 @@ mod orbits;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod rare;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
+mod rigid_bodies;
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod series_errors;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod stiff;

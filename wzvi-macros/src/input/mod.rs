@@ -9,6 +9,7 @@ mod library;
 mod nesting;
 mod phase_space;
 mod points;
+mod rotations;
 mod system;
 
 pub(crate) use attribute::{Declaration, DeclaredFriction, DeclaredValue, Hamiltonian, read_attribute};

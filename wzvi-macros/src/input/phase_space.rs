@@ -9,6 +9,7 @@ use syn::ext::IdentExt;
 use syn::{Pat, Type};
 
 use super::attribute::{Declaration, Hamiltonian};
+use super::rotations::{are_rotations, declare_rotations, is_rotation};
 use super::system::literal;
 use crate::diagnostics::{Diagnostics, messages, source};
 use crate::key::Key;
@@ -104,6 +105,12 @@ impl PhaseSpace {
 }
 
 impl Shape {
+    /// Three rows of three numbers.
+    fn matrix() -> Self {
+        let three = |element| Self::Array(Box::new(element), Length::Literal(3));
+        three(three(Self::Real))
+    }
+
     /// Number of reals; `None` if it overflows or is no literal.
     fn size(&self) -> Option<usize> {
         match self {
@@ -155,6 +162,7 @@ pub(crate) fn read_phase_space(
     declaration: &mut Declaration,
     diagnostics: &mut Diagnostics,
 ) -> Option<PhaseSpace> {
+    declare_rotations(declaration, diagnostics);
     let mut phase_space: Option<PhaseSpace> = None;
     let mut is_first = true;
     declaration.closures.sort_by_key(|closure| closure.key);
@@ -207,7 +215,12 @@ pub(crate) fn is_usual_time(name: &str) -> bool {
 fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
     let ClosureParameters { q, p, t } = parameters(drift)?;
     let (q_shape, q_names) = bound(q)?;
-    let (p_shape, p_names) = p.map_or(Ok((None, Bound::Whole(None))), bound)?;
+    let (p_shape, p_names) = match p {
+        // The type of the coordinates is not that of their momenta, which have the same shape.
+        Some(p) if are_rotations(q) && bare_name(p).is_some() => (None, bound(p)?.1),
+        Some(p) => bound(p)?,
+        None => (None, Bound::Whole(None)),
+    };
     let shape = match (q_shape, p_shape) {
         (Some(q_shape), Some(p_shape)) if q_shape != p_shape => {
             return Err(messages::momenta_disagree(p, &q_shape, &p_shape));
@@ -389,6 +402,7 @@ fn type_shape(ty: &Type) -> syn::Result<Shape> {
         Type::Path(path) if path.path.segments.last().is_some_and(|last| last.ident == "f64") => {
             Ok(Shape::Real)
         }
+        _ if is_rotation(ty) => Ok(Shape::matrix()),
         Type::Array(array) => match literal(&array.len) {
             Some(0) => Err(messages::no_degrees(ty)),
             Some(len) => Ok(Shape::Array(Box::new(element_shape(&array.elem)?), Length::Literal(len))),

@@ -27,6 +27,7 @@ mod manifold;
 mod memory;
 mod past;
 mod rattle;
+mod rigid_body;
 mod sparse;
 mod word;
 
@@ -40,6 +41,7 @@ pub use memory::ConstraintMemory;
 pub(crate) use memory::ConstraintScratch;
 pub(crate) use rattle::constrained_plan;
 pub use rattle::{Rattle, RattleSteps};
+pub use rigid_body::{InertiaError, RigidBody, Rotation};
 pub use sparse::SparseConstraints;
 pub(crate) use word::{ConstrainedStep, Relaxes};
 

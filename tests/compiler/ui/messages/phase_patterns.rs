@@ -46,3 +46,16 @@ struct SwappedNames;
 
 #[hamiltonian(drift = |[p1, p2], [q1, q2]| q1, embedding = Midpoint)]
 struct SwappedNumbers;
+
+#[hamiltonian(
+    drift = |[a, b]: [Rotation; 2], [pa, pb]| 0.5 * pa[0][0] * pa[0][0],
+    constraint = [|[a, b]| a[0][0] - b[0][0]],
+    embedding = Rattle,
+)]
+struct RotationsApart;
+
+#[hamiltonian(drift = |q: Rotation, p: Rotation| 0.5 * p[0][0] * p[0][0], embedding = Rattle)]
+struct MomentaOfRotation;
+
+#[hamiltonian(drift = |q: [[Rotation; 2]; 2], p| 0.5 * p[0][0][0][0] * p[0][0][0][0], embedding = Rattle)]
+struct RotationsOnGrid;
