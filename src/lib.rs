@@ -326,6 +326,7 @@ mod documents {
         CookbookFiles: "docs/guide/cookbook-files.md",
         CookbookNoise: "docs/guide/cookbook-noise.md",
         CookbookParts: "docs/guide/cookbook-parts.md",
+        CookbookSpins: "docs/guide/cookbook-spins.md",
         Elements: "docs/guide/elements.md",
         Ensembles: "docs/guide/ensembles.md",
         Errors: "docs/guide/errors.md",

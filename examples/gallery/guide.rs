@@ -14,7 +14,9 @@ use wzvi::scalar::Scalar;
 use wzvi::system::{Scratch, StepField};
 
 use crate::Drawn;
-use crate::systems::{Chain, Driven, Kepler, Kubo, Oscillator, Pendulum, Rotor, Simpson, WarmWells};
+use crate::systems::{
+    AngleRing, Chain, Driven, Kepler, Kubo, Oscillator, Pendulum, Rotor, Simpson, SpinRing, WarmWells,
+};
 
 pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
     Ok(vec![
@@ -34,6 +36,7 @@ pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
         ("unresolved", unresolved()?),
         ("branches", branches()),
         ("drift", drift()?),
+        ("spins", spins()?),
     ])
 }
 
@@ -378,6 +381,32 @@ fn drift() -> Drawn {
     .line("Kutta's rule, order 4", Colour::VERMILION, energies::<Own<Kutta>>(250)?)
     .line("Verlet", Colour::GREEN, energies::<Verlet>(1000)?)
     .line("Verlet by KahanLi8", Colour::BLUE, energies::<Composed<Verlet, KahanLi8>>(59)?))
+}
+
+/// A ring of spins in two kinds of canonical variables.
+fn spins() -> Drawn {
+    let angles: Vec<f64> = (0..8).map(|i| 0.8 * f64::from(i)).collect();
+    let heights: Vec<f64> = (0..8).map(|i| 0.7 * (1.3 * f64::from(i) + 0.4).sin()).collect();
+    let lifted = angles.iter().zip(&heights).map(|(angle, height)| {
+        let [first, second] = [1.0 + height, 1.0 - height].map(|square| (2.0 * square).sqrt());
+        ([first, second * angle.cos()], [0.0, second * angle.sin()])
+    });
+    let (q, p): (Vec<_>, Vec<_>) = lifted.unzip();
+    let (h, end) = (0.05, 200.0);
+    let oscillators = SpinRing.simulate::<Midpoint>(h).start(State::new(q, p)).until(end).run()?;
+    // Until a step near a pole has no solution.
+    let mut stepper = AngleRing.stepper::<Midpoint>(h)?;
+    let mut state = State::new(angles, heights);
+    let first = AngleRing.energy(&state);
+    let mut by_angles = Vec::new();
+    while state.t < end && stepper.step(&mut state, &[]).is_ok() {
+        by_angles.push((state.t, AngleRing.energy(&state) - first));
+    }
+    let first = SpinRing.energy(&oscillators.states()[0]);
+    let by_oscillators = oscillators.iter().skip(1).map(|state| (state.t, SpinRing.energy(state) - first));
+    Ok(Figure::panel("Ring of eight spins, Midpoint, h = 0.05: angles end at a pole", "time t", "H - H(0)")
+        .line("angle and height", Colour::VERMILION, by_angles)
+        .line("two oscillators", Colour::BLUE, by_oscillators))
 }
 
 /// The largest relative change of the energy so far, over 1000 orbits in so many steps each.

@@ -106,3 +106,45 @@ pub(crate) struct WarmWells {
 pub(crate) struct Driven {
     pub(crate) amplitude: f64,
 }
+
+#[hamiltonian_fn]
+fn product(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The spin of two oscillators.
+#[hamiltonian_fn]
+fn spin(q: [f64; 2], p: [f64; 2]) -> [f64; 3] {
+    [
+        0.5 * (q[0] * q[1] + p[0] * p[1]),
+        0.5 * (q[0] * p[1] - q[1] * p[0]),
+        0.25 * (q[0] * q[0] + p[0] * p[0] - q[1] * q[1] - p[1] * p[1]),
+    ]
+}
+
+/// Neighbours in a Heisenberg ring, each as two oscillators.
+#[hamiltonian(
+    drift = |q: &[[f64; 2]], p: &[[f64; 2]]| {
+        let n = q.len();
+        (0..n).map(|i| -product(spin(q[i], p[i]), spin(q[(i + 1) % n], p[(i + 1) % n]))).sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+pub(crate) struct SpinRing;
+
+/// The spin at an angle and a height.
+#[hamiltonian_fn]
+fn spin_at(angle: f64, height: f64) -> [f64; 3] {
+    let radius = (1.0 - height * height).sqrt();
+    [radius * angle.cos(), radius * angle.sin(), height]
+}
+
+/// The same ring in angles and heights.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        (0..n).map(|i| -product(spin_at(q[i], p[i]), spin_at(q[(i + 1) % n], p[(i + 1) % n]))).sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+pub(crate) struct AngleRing;

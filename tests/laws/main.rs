@@ -35,6 +35,8 @@ mod rare;
 mod rigid_bodies;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod series_errors;
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
+mod spins;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod stiff;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]

@@ -27,6 +27,7 @@ mod random {
 mod constants;
 mod reference;
 mod rest;
+mod spins;
 mod symplectic;
 mod tangent;
 mod units;
