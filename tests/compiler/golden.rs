@@ -20,7 +20,9 @@ scenes!(
     noise,
     noise_family,
     oscillators,
-    pendulum
+    pendulum,
+    rod,
+    rods
 );
 
 use wzvi::prelude::*;
@@ -64,4 +66,7 @@ fn golden_expansions_step() {
     steps!(network, DeltaPlus, vec![0.3, 0.1, 1.4], vec![0.2, 0.1, -0.1], []);
     let bath = noise_family::Bath { sigma: 0.5, sites: 2 };
     steps!(bath, Midpoint, vec![0.3, 0.1], vec![0.2, 0.1], [0.05, -0.03]);
+    steps!(rod::Rod { g: 1.0, l: 1.0 }, Rattle, [0.6, -0.8], [0.8, 0.6], []);
+    let rods = rods::Rods::<2> { g: 1.0, l: 1.0, sigma: 0.5 };
+    steps!(rods, Rattle, vec![0.6, -0.8, 0.6, -1.8], vec![0.8, 0.6, 0.8, 0.6], [0.05, -0.03]);
 }

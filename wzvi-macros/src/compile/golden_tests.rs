@@ -12,7 +12,7 @@ use super::expand;
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/compiler/golden");
 
 /// Name, the attribute's arguments, the struct.
-pub(super) const SCENES: [(&str, &str, &str); 14] = [
+pub(super) const SCENES: [(&str, &str, &str); 16] = [
     (
         "pendulum",
         "drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = Midpoint",
@@ -110,6 +110,22 @@ pub(super) const SCENES: [(&str, &str, &str); 14] = [
         "drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * (p[i] * p[i] + q[i] * q[i])).sum::<f64>(), \
          noise = [|q, p, k| sigma * q[k]; self.sites], embedding = Midpoint",
         "pub struct Bath { pub sigma: f64, pub sites: usize }",
+    ),
+    (
+        "rod",
+        "drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) + g * y, \
+         constraint = [|[x, y]| 0.5 * (x * x + y * y - l * l)], embedding = Rattle",
+        "pub struct Rod { pub g: f64, pub l: f64 }",
+    ),
+    (
+        "rods",
+        "drift = |q: &[[f64; 2]], p: &[[f64; 2]]| \
+            (0..N).map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1]) + g * q[i][1]).sum(), \
+         noise = [|q, p, k| sigma * q[k][0]; N], \
+         constraint = [|q| 0.5 * (q[0][0] * q[0][0] + q[0][1] * q[0][1] - l * l), \
+            [|q, k| 0.5 * ((q[k + 1][0] - q[k][0]).powi(2) + (q[k + 1][1] - q[k][1]).powi(2) - l * l); N - 1]], \
+         embedding = Rattle",
+        "pub struct Rods<const N: usize> { pub g: f64, pub l: f64, pub sigma: f64 }",
     ),
 ];
 

@@ -18,7 +18,7 @@ use crate::discretise::{
     Block, Facts, NoiseClass, Scheme, Solution, StepSymbols, Unknown, modified, unweighted,
 };
 use crate::embedding::{Embedding, Points};
-use crate::model::{CollectiveRole, Conversion, Form, System, Term};
+use crate::model::{CollectiveRole, Conversion, Family, FamilyTerm, Form, Noise, System, Term};
 use crate::symbolic::{Graph, Knowledge, Rational};
 
 /// The text of one scheme, from the discrete Lagrangian to the step.
@@ -32,9 +32,11 @@ pub(crate) fn derivation(graph: &mut Graph, scheme: &Scheme) -> String {
 
 /// Every Hamiltonian and force, as sums of elements.
 pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
-    let numbers = system.noise_numbers();
+    let (numbers, constraint_numbers) = (system.noise_numbers(), system.constraint_numbers());
     let line = system.line.clone().filter(|_| system.form == Form::StraightLines);
-    let System { graph, drift, summands: parts, noise, force, conformal, conversion, names, .. } = system;
+    let System {
+        graph, drift, summands: parts, noise, constraints, force, conformal, conversion, names, ..
+    } = system;
     let text = &mut String::new();
     let value =
         |graph: &mut Graph, term: &Term| facts.space.display(graph, &unweighted(&term.values), Rational::ONE);
@@ -44,35 +46,36 @@ pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
         say!(text, "  {name} = {}, a part of H0", value(graph, part));
     }
     let (forces, noise): (Vec<_>, Vec<_>) = numbers.iter().zip(noise).partition(|(_, noise)| noise.is_force);
-    for (number, noise) in noise {
-        say!(text, "  H{number} = {}", value(graph, &noise.term));
+    for (number, Noise { term, family, .. }) in noise {
+        say!(text, "  H{number} = {}", facts.space.display_member(graph, &term.values, family.as_ref()));
     }
-    let forces = forces.into_iter().map(|(number, noise)| (number.as_str(), &noise.term));
-    let forces: Vec<(&str, &Term)> = force.iter().map(|force| ("0", force)).chain(forces).collect();
+    let forces =
+        forces.into_iter().map(|(number, force)| (number.as_str(), &force.term, force.family.as_ref()));
+    let forces: Vec<(&str, &Term, Option<&Family>)> =
+        force.iter().map(|force| ("0", force, None)).chain(forces).collect();
     if !forces.is_empty() {
         let of_work = if line.is_some() { "" } else { ", as virtual work" };
         say!(text, "\nForces{of_work}");
     }
     let mut components = line.iter().flat_map(|line| line.force.iter().chain(&line.noise_forces));
-    for (number, force) in forces {
+    for (number, force, family) in forces {
         let components = components.next().map(|components| -> Vec<String> {
             components.iter().map(|&component| graph.display(component)).collect()
         });
         match components.as_deref() {
             Some([only]) => say!(text, "  F{number} = {only}"),
             Some(components) => say!(text, "  F{number} = [{}]", components.join(", ")),
-            None => say!(text, "  F{number} · δ{} = {}", names[0], value(graph, force)),
+            None => {
+                let work = facts.space.display_member(graph, &force.values, family);
+                say!(text, "  F{number} · δ{} = {work}", names[0]);
+            }
         }
     }
-    if !facts.constraints.is_empty() {
+    if !constraints.is_empty() {
         say!(text, "\nConstraints");
-        for constraint in &facts.constraints {
-            say!(
-                text,
-                "  0 = g{} = {}",
-                constraint.number,
-                facts.space.display(graph, &constraint.value, Rational::ONE)
-            );
+        for (FamilyTerm { term, family }, number) in constraints.iter().zip(constraint_numbers) {
+            let member = facts.space.display_member(graph, &term.values, family.as_ref());
+            say!(text, "  0 = g{number} = {member}");
         }
     }
     let collectives = facts.space.collectives();
@@ -109,6 +112,17 @@ pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
         }
     }
     std::mem::take(text)
+}
+
+/// The noises of the step Hamiltonian, or of forces: ` + ΔW1 H1`, ` + Σ_k ΔW_k H_k` for a family.
+fn noise_terms(system: &System, are_forces: bool) -> String {
+    let name = if are_forces { "F" } else { "H" };
+    let noises = system.noise.iter().zip(system.noise_numbers());
+    let terms = noises.filter(|(noise, _)| noise.is_force == are_forces).map(|(noise, number)| {
+        let sum = if noise.family.is_some() { "Σ_k " } else { "" };
+        format!(" + {sum}ΔW{number} {name}{number}")
+    });
+    terms.collect()
 }
 
 fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {

@@ -1,6 +1,6 @@
 //! The text of steps on the manifold of constraints.
 
-use super::{DEGREES, for_each};
+use super::{DEGREES, for_each, noise_terms};
 use crate::discretise::Facts;
 use crate::embedding::Embedding;
 use crate::model::System;
@@ -29,9 +29,7 @@ Step on the manifold, with G = ∂g/∂q, W = M⁻¹ and the projection Π = 1 -
 
 /// The discrete Lagrangian of `Rattle` and its equations.
 fn lagrangian(system: &System, facts: &Facts) -> String {
-    let numbers = system.noise_numbers();
-    let terms = numbers.iter().map(|number| format!(" + ΔW{number} H{number}"));
-    let noise: String = terms.collect();
+    let noise = noise_terms(system, false);
     let timed = facts.constraints.iter().any(|constraint| {
         constraint.value.iter().any(|weighted| weighted.element.reads_time(&system.graph, system.t))
     });
@@ -44,7 +42,12 @@ fn lagrangian(system: &System, facts: &Facts) -> String {
         true => "h ∂H0/∂p(P)",
         false => "1/2 ∂F/∂p(q_i, P, t_i) + 1/2 ∂F/∂p(q_{i+1}, P, t_{i+1})",
     };
-    let slope = if facts.has_force { "(∂F/∂q - h F0)" } else { "∂F/∂q" };
+    let forces = noise_terms(system, true).replace(" + ", " - ");
+    let slope = match (facts.has_force, forces.as_str()) {
+        (false, "") => "∂F/∂q".to_owned(),
+        (true, forces) => format!("(∂F/∂q - h F0{forces})"),
+        (false, forces) => format!("(∂F/∂q{forces})"),
+    };
     format!(
         "
 Discrete Lagrangian of the step from t_i to t_i + h, with F = h H0{noise}
@@ -66,7 +69,7 @@ fn solvers(system: &System, facts: &Facts, text: &mut String) {
     let constraints = system.constraint_offsets().last().and_then(|all| all.as_integer());
     let left = system.degrees_in_straight_lines().zip(constraints).map(|(degrees, constraints)| {
         let left = degrees as i128 - constraints;
-        format!("; {left} of {degrees} degrees of freedom are left, if no constraint follows from others")
+        format!("; degrees of freedom left: {left} of {degrees}, if no constraint follows from others")
     });
     let left = left.unwrap_or_default();
     if !facts.has_squares {

@@ -2,26 +2,24 @@
 
 use std::collections::HashMap;
 
-use super::{DEGREES, for_each};
+use super::{DEGREES, for_each, noise_terms};
 use crate::discretise::{Facts, Plans, StepGradient};
 use crate::model::System;
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// The text of `Gauss<stages>`; with a line for each equation if the system is unrolled.
 pub(crate) fn derivation(system: &mut System, facts: &Facts, plans: &Plans, stages: u32) -> String {
-    let numbers = system.noise_numbers();
-    let terms = numbers.iter().map(|number| format!(" + ΔW{number} H{number}"));
+    let noise = noise_terms(system, false);
     let mut text = format!(
         "
 Discrete Lagrangian of the step from t_i to t_i + h, with {stages} stages
   L_d = ext Σ_j b_j [p_j · V_j - F(q_j, p_j, t_j)]
-  F = h H0{}
+  F = h H0{noise}
   q_j = q_i + Σ_k a_jk V_k,  q_{{i+1}} = q_i + Σ_j b_j V_j,  t_j = t_i + c_j h
   c_j: the roots of the shifted Legendre polynomial P_{stages}(2c - 1)
 
 Discrete Euler-Lagrange equations
-",
-        terms.collect::<String>()
+"
     );
     let graph = &mut system.graph;
     match &plans.gradient {
