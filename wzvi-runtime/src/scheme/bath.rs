@@ -113,9 +113,10 @@ pub struct GjI;
 
 /// [`Baoab`] on the manifold of [constraints](crate::scheme::constraints), with one rate of friction for all
 /// degrees of freedom: half a kick, half a drift, friction and noise, half a drift, half a kick, where each
-/// part ends on the manifold with momenta that are tangent. It samples `e^{-H/kT}` on the manifold with a
-/// bias of order 2. A step from a normal that is larger than the radius of curvature allows has no end, and
-/// fails: its steps are shorter than those of a system without constraints.
+/// part ends on the manifold with momenta that are tangent (g-BAOAB: B. Leimkuhler, C. Matthews, Proc. R.
+/// Soc. A 472, 2016). It samples `e^{-H/kT}` on the manifold with a bias of order 2. A step from a normal
+/// that is larger than the radius of curvature allows has no end, and fails: its steps are shorter than those
+/// of a system without constraints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GBaoab;
 

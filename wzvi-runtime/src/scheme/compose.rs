@@ -82,7 +82,7 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot compose this scheme",
     label = "not for this scheme",
-    note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`"
+    note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet`, `Gauss<S>` and, with constraints, `Rattle`"
 )]
 pub trait Weights {
     /// The order of the composition.
@@ -113,7 +113,7 @@ pub struct Table<W>(PhantomData<W>);
 /// with the structure `K`. [`Weights`] compose these.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not symmetric, and its compositions have no higher order",
-    note = "`Midpoint`, `Verlet` and `Gauss<S>` are"
+    note = "`Midpoint`, `Verlet`, `Gauss<S>` and, with constraints, `Rattle` are"
 )]
 pub trait Symmetric<K = General>: Sized {
     /// The scheme itself, or the scheme of its first half.
@@ -132,7 +132,7 @@ pub trait Symmetric<K = General>: Sized {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot compose `{E}` for this system",
     label = "not for this system",
-    note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`",
+    note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet`, `Gauss<S>` and, with constraints, `Rattle`",
     note = "`Srkn6`, `Chin4` and `TakahashiImada4` take `T(p) + V(q, t)` with constant masses, a kinetic energy that is quadratic, and neither friction \
             nor a force that depends on momenta: `BlanesMoan4`, `BlanesMoan6` and `KahanLi6` compose `Verlet` for every Hamiltonian, with friction and \
             forces, too",

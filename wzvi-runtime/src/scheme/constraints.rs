@@ -10,12 +10,14 @@
 //! (G ∂H/∂p + ∂g/∂t)(q_{i+1}, p_{i+1}, t_{i+1}) = 0
 //! ```
 //!
-//! They are symmetric, symplectic on the manifold, and of order two (E. Hairer, C. Lubich, G. Wanner,
-//! *Geometric Numerical Integration*, section VII.1.4; H. C. Andersen, J. Comput. Phys. 52, 1983). For
-//! `T(p) + V(q, t)` a step is a word of three parts, as without constraints: a kick, a drift, a kick. Each
-//! part has the impulse `Gᵀ ν` that keeps its end on the manifold: that of the drift is found by Newton's
-//! method, that of a kick by one projection of the momenta. A projection before a drift changes nothing but
-//! `ν`, and is left out.
+//! They are symmetric, symplectic on the manifold, and of order two; compositions have higher orders. RATTLE
+//! is due to H. C. Andersen (J. Comput. Phys. 52, 1983), the proof that it is symplectic to B. J. Leimkuhler
+//! and R. D. Skeel (J. Comput. Phys. 112, 1994), its form for any Hamiltonian to L. O. Jay (SIAM J. Numer.
+//! Anal. 33, 1996), and its compositions to S. Reich (SIAM J. Numer. Anal. 33, 1996); see E. Hairer, C.
+//! Lubich, G. Wanner, *Geometric Numerical Integration*, section VII.1.4. For `T(p) + V(q, t)` a step is a
+//! word of three parts, as without constraints: a kick, a drift, a kick. Each part has the impulse `Gᵀ ν`
+//! that keeps its end on the manifold: that of the drift is found by Newton's method, that of a kick by one
+//! projection of the momenta. A projection before a drift changes nothing but `ν`, and is left out.
 
 mod dense;
 mod evaluation;

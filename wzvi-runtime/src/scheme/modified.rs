@@ -39,8 +39,9 @@ use series::{HIGHEST_ORDER, TreeSeries, modified};
 /// energy.
 #[diagnostic::on_unimplemented(
     message = "steps of `{Self}` conserve no modified energy",
-    label = "`{Self}` has noise, or a Hamiltonian that reads the time",
-    note = "without noise and explicit time every symplectic step follows a modified Hamiltonian; with them there is none"
+    label = "`{Self}` has noise, constraints, or a Hamiltonian that reads the time",
+    note = "without noise and explicit time every symplectic step follows a modified Hamiltonian; with them there is none, and that \
+            of steps on the manifold of constraints is not computed"
 )]
 pub trait Conservative: Hamiltonian {}
 

@@ -128,7 +128,8 @@ pub trait Hamiltonian {
         None
     }
 
-    /// The degrees of freedom that constraints leave of so many.
+    /// The number of degrees of freedom that constraints leave of `degrees`: one less for each constraint. It
+    /// is the number that temperatures and other shares of energy count.
     fn degrees_left(&self, degrees: usize) -> usize {
         degrees.saturating_sub(self.manifold().map_or(0, |manifold| manifold.constraints()))
     }

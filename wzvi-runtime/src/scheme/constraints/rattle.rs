@@ -22,9 +22,15 @@ use crate::scheme::system::{
 use crate::scheme::word::{Part, Substep, Weighted, Word};
 
 /// RATTLE: [`Verlet`](crate::scheme::compose::Verlet) on the manifold of [constraints](super), symmetric,
-/// symplectic, and of order two. The constraints and their derivatives by the time hold at every node.
-/// [`Composed`](crate::scheme::compose::Composed) has higher orders. Friction with one rate for all degrees
-/// of freedom acts for half of a step before it and for the other half after it.
+/// symplectic, and of order two (H. C. Andersen, J. Comput. Phys. 52, 1983; B. J. Leimkuhler, R. D. Skeel, J.
+/// Comput. Phys. 112, 1994). The constraints and their derivatives by the time hold at every node to a
+/// rounding of their terms. [`Composed`](crate::scheme::compose::Composed) has higher orders (S. Reich, SIAM
+/// J. Numer. Anal. 33, 1996). Friction with one rate for all degrees of freedom acts for half of a step
+/// before it and for the other half after it.
+///
+/// A step fails with [`StepFailure::BeyondCurvature`] where its tangent leaves the manifold farther than it
+/// curves, with [`StepFailure::OffManifold`] from a state that is not on the manifold, and with
+/// [`StepFailure::Dependent`] where a constraint follows from others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rattle;
 
