@@ -151,13 +151,20 @@ messages! {
         coordinates, momenta and, if it needs it, time; this takes {found} parameter{plural}: {PATTERNS}";
     constraint_arity(patterns, found: usize) { plural = if found == 1 { "" } else { "s" }; } = "a constraint takes coordinates and, \
         if it needs it, time; this takes {found} parameter{plural}: write `|q| ...` or `|q, t| ...`, and for a family `[|q, k| ...; N]`";
-    /// A nonholonomic constraint.
     misplaced_rotation(pattern) = "`Rotation` is the type of all coordinates: `|q: Rotation, p|` for a body, `|q: [Rotation; N], p|` \
         for several. Momenta are matrices without constraints: write `p`, or `p: [[f64; 3]; 3]`. A body with other coordinates \
         beside its rotation is declared by `q: [f64; D]`, with the constraints of the matrix written out";
-    momenta_in_constraint(pattern) { name = source(&pattern); } = "a constraint is a function of the coordinates and the time, \
-        `|q| ...` or `|q, t| ...`: one that reads momenta is not holonomic, and motion under it follows from no Lagrangian; if `{name}` \
-        is the time, call it `t`; if it is the number of a member, write the family with its size, `constraint = [|q, {name}| ...; N]`";
+    /// A nonholonomic constraint.
+    momenta_in_constraint(pattern) {
+        remedy = match syn::parse2::<syn::Ident>(pattern.clone()) {
+            Ok(name) => {
+                format!("; if `{name}` is the time, call it `t`; if it is the number of a member, write the family with its size, \
+                    `constraint = [|q, {name}| ...; N]`")
+            }
+            _ => "; leave its momenta out".to_owned(),
+        };
+    } = "a constraint is a function of the coordinates and the time, `|q| ...` or `|q, t| ...`: one that reads momenta is not holonomic, \
+        and motion under it follows from no Lagrangian{remedy}";
     /// `|q, p, w|` in a system with noise.
     third_name(pattern) { name = source(&pattern); } = "the third parameter of a Hamiltonian is the time, and this system has noise: a \
         noise is a Hamiltonian of its own, as in `noise = |q, p| sigma * q`; a family has its number as parameter, `noise = [|q, p, k| \

@@ -63,7 +63,8 @@ pub enum StepFailure {
         /// The radius of curvature along this way, likewise.
         radius: f64,
     },
-    /// A constraint follows from the others at the state: its gradient is a combination of theirs.
+    /// A constraint follows from the others at the state, or may follow from them within the step: its gradient
+    /// is a combination of theirs, as where a linkage is folded. Or no mass that it moves is positive.
     Dependent {
         /// The number of the constraint, from 0.
         constraint: usize,
@@ -76,6 +77,13 @@ pub enum StepFailure {
         /// The relative distance of the momenta:
         /// [`Distance::momenta`](crate::scheme::constraints::Distance::momenta).
         momenta: f64,
+    },
+    /// No point of the manifold of the constraints was found near a state.
+    NoProjection {
+        /// Corrections.
+        iterations: u32,
+        /// The largest constraint that is left, relative to its terms.
+        residual: f64,
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
@@ -124,6 +132,7 @@ impl StepFailure {
                 | Self::Internal(_)
                 | Self::Dependent { .. }
                 | Self::OffManifold { .. }
+                | Self::NoProjection { .. }
         )
     }
 }
@@ -160,11 +169,14 @@ messages! { StepFailure:
         "no end of the step is on the manifold of constraint g{}: the way h |v| = {length:.3e} is long against its radius of curvature \
          {radius:.3e}; take a smaller step, or subdivide with `.retry(Retry::halving(n))`", constraint + 1;
     Self::Dependent { constraint } =>
-        "constraint g{} follows from the others at this state: its gradient is a combination of theirs; leave it out, or start elsewhere",
-        constraint + 1;
+        "constraint g{} follows from the others at this state or near it: its gradient is a combination of theirs, as where a linkage is \
+         folded; leave it out, go past the fold with other steps, or check that masses are positive and finite", constraint + 1;
     Self::OffManifold { coordinates, momenta } =>
         "the state is not on the manifold of the constraints: its coordinates are off by {coordinates:.1e} and its momenta by {momenta:.1e} of \
          the terms of a constraint; give one that is, or add `.project_start()`";
+    Self::NoProjection { iterations, residual } =>
+        "no point of the manifold of the constraints was found near the state: after {iterations} corrections, a constraint is {residual:.1e} of \
+         its terms; give a state nearer to the manifold, and check the numbers in the constraints";
     Self::NonFinite => "the new state is not finite; take a smaller step or check the domain of H";
     Self::Infinite { parameter } =>
         "the new state is not finite, and the parameter `{parameter}` of the system is infinite; give it a finite value, or take a smaller \

@@ -17,6 +17,7 @@ const UNDECIDED: u64 = LANES - 5;
 const UNDEFINED: u64 = LANES - 6;
 const OFF_MANIFOLD: u64 = LANES - 7;
 const DEPENDENT: u64 = LANES - 8;
+const NO_PROJECTION: u64 = LANES - 9;
 /// Words before these, for the radius of curvature of each constraint.
 const BEYOND: u64 = LANES - (1 << 32);
 
@@ -47,6 +48,9 @@ impl StepFailure {
             Self::UndefinedEnergy => [UNDEFINED, 0, 0],
             Self::BeyondCurvature { constraint, length, radius } => {
                 [BEYOND - constraint as u64, length.to_bits(), radius.to_bits()]
+            }
+            Self::NoProjection { iterations, residual } => {
+                [NO_PROJECTION, u64::from(iterations), residual.to_bits()]
             }
             Self::Dependent { constraint } => [DEPENDENT, constraint as u64, 0],
             Self::OffManifold { coordinates, momenta } => {
@@ -81,6 +85,7 @@ impl StepFailure {
             UNDECIDED => Self::Unresolved { energy_error: x, scale: y, may_jump: true },
             UNDEFINED => Self::UndefinedEnergy,
             OFF_MANIFOLD => Self::OffManifold { coordinates: x, momenta: y },
+            NO_PROJECTION => Self::NoProjection { iterations: u32::try_from(a).ok()?, residual: y },
             DEPENDENT => Self::Dependent { constraint: usize::try_from(a).ok()? },
             which if which <= BEYOND && which > BEYOND - (1 << 32) => {
                 Self::BeyondCurvature { constraint: (BEYOND - which) as usize, length: x, radius: y }
@@ -121,6 +126,7 @@ mod tests {
             StepFailure::UndefinedEnergy,
             StepFailure::OffManifold { coordinates: 0.1, momenta: 0.2 },
             StepFailure::Dependent { constraint: 7 },
+            StepFailure::NoProjection { iterations: 50, residual: 0.5 },
             StepFailure::BeyondCurvature { constraint: 0, length: 2.0, radius: 1.0 },
             StepFailure::BeyondCurvature { constraint: 10_000, length: 2.0, radius: 1.0 },
             StepFailure::OtherSolution { apart: 0.4 },

@@ -468,12 +468,13 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::NoSolution { .. }
         | StepFailure::TooManyUnknowns { .. }
         | StepFailure::BeyondCurvature { .. }
+        | StepFailure::Dependent { .. }
         | StepFailure::NonFinite
         | StepFailure::Infinite { .. } => true,
         StepFailure::Unresolved { .. }
         | StepFailure::UndefinedEnergy
-        | StepFailure::Dependent { .. }
         | StepFailure::OffManifold { .. }
+        | StepFailure::NoProjection { .. }
         | StepFailure::Increments { .. }
         | StepFailure::Dimension { .. }
         | StepFailure::Index(_)

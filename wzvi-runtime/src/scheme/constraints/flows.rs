@@ -225,18 +225,21 @@ impl<F: Constrained, S: Scalar> ConstrainedFlows<'_, F, S> {
     #[inline(never)]
     fn is_rounding(
         &self,
-        scratch: &ConstraintScratch<S, F::Layout, F::Shape>,
+        scratch: &mut ConstraintScratch<S, F::Layout, F::Shape>,
         t: S::Constant,
         asked: S::Mask,
     ) -> S::Mask {
+        let ConstraintScratch { end, rounded, .. } = scratch;
+        let RoundedConstraints { end: rounded, values } = &mut **rounded.get_or_insert_default();
+        values.resize(self.system.constraints(), Rounded::exact(0.0));
         S::Mask::of_lanes(|lane| {
             asked.lane(lane) && {
-                let end: Vec<Rounded> =
-                    scratch.end.as_ref().iter().map(|q| Rounded::nearest(q.lane(lane))).collect();
-                let mut values = Values(vec![Rounded::exact(0.0); self.system.constraints()]);
-                let at = EvaluationPoint::new([&end[..], &[][..]], t.lane(0), &[], &[]);
-                self.system.constrain(&at, &mut values);
-                values.0.iter().all(|value| value.is_below(1.0))
+                rounded.clear();
+                rounded.extend(end.as_ref().iter().map(|q| Rounded::nearest(q.lane(lane))));
+                values.fill(Rounded::exact(0.0));
+                let at = EvaluationPoint::new([&rounded[..], &[][..]], t.lane(0), &[], &[]);
+                self.system.constrain(&at, &mut Values(values));
+                values.iter().all(|value| value.is_below(1.0))
             }
         })
     }
@@ -280,10 +283,17 @@ impl<F: Constrained, S: Scalar> ConstrainedFlows<'_, F, S> {
     }
 }
 
-/// The values of constraints alone.
-struct Values(Vec<Rounded>);
+/// The constraints at the end of a drift, with bounds on their rounding errors.
+#[derive(Debug, Default)]
+pub(super) struct RoundedConstraints {
+    end: Vec<Rounded>,
+    values: Vec<Rounded>,
+}
 
-impl super::ConstraintRows<Rounded> for Values {
+/// Takes the values of constraints alone.
+struct Values<'a>(&'a mut [Rounded]);
+
+impl super::ConstraintRows<Rounded> for Values<'_> {
     fn value(&mut self, constraint: usize, value: Rounded) {
         self.0[constraint] = self.0[constraint] + value;
     }

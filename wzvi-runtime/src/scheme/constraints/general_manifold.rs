@@ -16,15 +16,16 @@ pub(super) struct GeneralPoint<'a, F> {
     constraints: GeneralConstraints<f64>,
     /// Its factors.
     matrix: DenseMatrix<f64>,
-    /// The first constraint that follows from others.
-    dependent: Option<usize>,
+    /// The share of the square of each gradient that is left when those before it are taken out.
+    independent_shares: Vec<f64>,
 }
 
 impl<'a, F: Constrained> GeneralPoint<'a, F> {
     pub(super) fn new(system: &'a F, ManifoldPoint { q, p, t }: ManifoldPoint<'_>) -> Self {
         let of = GeneralField { system, parameters: &[] };
         let (q, p, constraints) = (q.to_vec(), p.to_vec(), GeneralConstraints::default());
-        let mut point = Self { of, q, p, t, constraints, matrix: DenseMatrix::default(), dependent: None };
+        let mut point =
+            Self { of, q, p, t, constraints, matrix: DenseMatrix::default(), independent_shares: Vec::new() };
         point.evaluate();
         point
     }
@@ -41,11 +42,22 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
         let number = constraints.values.len();
         let diagonal: Vec<f64> = (0..number).map(|k| matrix.at(k, k)).collect();
         matrix.factor();
-        self.dependent = (0..number).find(|&k| {
-            let is_pivot = matrix.at(k, k) > DEPENDENT * diagonal[k];
-            !is_pivot
-        });
+        // Masses are positive.
+        let shares = diagonal.iter().enumerate().map(|(k, diagonal)| matrix.at(k, k) / diagonal.max(0.0));
+        self.independent_shares = shares.collect();
         (self.constraints, self.matrix) = (constraints, matrix);
+    }
+
+    pub(super) fn independent_shares(&self) -> &[f64] {
+        &self.independent_shares
+    }
+
+    /// The first constraint that follows from others.
+    fn dependent(&self) -> Option<usize> {
+        self.independent_shares.iter().position(|&share| {
+            let is_pivot = share > DEPENDENT;
+            !is_pivot
+        })
     }
 
     fn distance_of_coordinates(&self) -> f64 {
@@ -57,15 +69,15 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
     /// Projects the state, as [`Manifold::project`](super::Manifold::project).
     ///
     /// # Errors
-    /// [`StepFailure::Dependent`], [`StepFailure::NotConverged`], as there.
+    /// [`StepFailure::Dependent`], [`StepFailure::NoProjection`], as there.
     pub(super) fn project(&mut self) -> Result<Distance, StepFailure> {
         let mut distance = Distance { coordinates: self.distance_of_coordinates(), momenta: 0.0 };
         let (mut residual, mut before, mut iterations) = (distance.coordinates, f64::INFINITY, 0);
         while !(residual <= ROUNDINGS || (residual <= NEAR * NEAR && residual >= 0.5 * before)) {
             if iterations == MOST_ITERATIONS || !residual.is_finite() {
-                return Err(StepFailure::NotConverged { iterations, correction: residual });
+                return Err(StepFailure::NoProjection { iterations, residual });
             }
-            if let Some(constraint) = self.dependent {
+            if let Some(constraint) = self.dependent() {
                 return Err(StepFailure::Dependent { constraint });
             }
             let mut impulses = self.constraints.values.clone();
@@ -74,12 +86,22 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
             self.constraints.subtract_transposed(&impulses, &mut along);
             let mut way = vec![0.0; self.q.len()];
             self.of.masses(&self.at(), |i, j, w| way[i] += w * along[j]);
-            self.q.iter_mut().zip(way).for_each(|(q, way)| *q += way);
+            let number = impulses.len();
+            let (mut turned, mut straight, mut bounds) =
+                (vec![0.0; number], vec![0.0; number], vec![0.0; number]);
+            self.constraints.product(&way, &mut straight);
+            self.constraints.absolute_product(&way, &mut bounds);
+            self.q.iter_mut().zip(&way).for_each(|(q, way)| *q += way);
             self.evaluate();
+            if iterations == 0 {
+                self.constraints.product(&way, &mut turned);
+                turned.iter_mut().zip(&straight).for_each(|(turned, straight)| *turned -= straight);
+                distance.coordinates = distance.coordinates.max(largest_ratio(&turned, &bounds));
+            }
             (before, residual) = (residual, self.distance_of_coordinates());
             iterations += 1;
         }
-        if let Some(constraint) = self.dependent {
+        if let Some(constraint) = self.dependent() {
             return Err(StepFailure::Dependent { constraint });
         }
         let mut room = TangentRoom::default();
@@ -96,7 +118,7 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
             let is_projected = self.of.make_tangent([&self.q, &self.p], self.t, &mut room, &self.constraints);
             if !is_projected {
                 let correction = distance.momenta;
-                return Err(StepFailure::NotConverged { iterations, correction });
+                return Err(StepFailure::NoProjection { iterations, residual: correction });
             }
             self.p = room.moved;
         }
@@ -117,7 +139,7 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
 
     /// `λ` of motion with these rates; `None` where constraints depend on each other.
     pub(super) fn multipliers(&self, of_q: &[f64], of_p: &[f64], of_t: f64) -> Option<Vec<f64>> {
-        if self.dependent.is_some() {
+        if self.dependent().is_some() {
             return None;
         }
         let moved = |x: &[f64], rates: &[f64]| -> Vec<Dual<1>> {

@@ -25,7 +25,9 @@ pub(super) const MOST_ITERATIONS: u32 = 50;
 pub(super) const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
 /// The relative distance of a state from the manifold. It has no unit and does not depend on the units of the
-/// system.
+/// system. The terms of a rod far from the origin are much larger than the rod. So the change of the gradients by
+/// the first correction of Newton's method counts as a distance of the coordinates, too: it is the correction
+/// relative to the radius of curvature.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Distance {
     /// The distance of the coordinates: the largest `|g_k| / Σ_i |∂g_k/∂q_i q_i|`.
@@ -73,7 +75,7 @@ pub trait Manifold {
     /// was from the manifold. The state is unchanged on `Err`.
     ///
     /// # Errors
-    /// [`StepFailure::Dependent`] if a constraint follows from others there; [`StepFailure::NotConverged`] if
+    /// [`StepFailure::Dependent`] if a constraint follows from others there; [`StepFailure::NoProjection`] if
     /// no point of the manifold was found.
     fn project(&self, q: &mut [f64], p: &mut [f64], t: f64) -> Result<Distance, StepFailure>;
 
@@ -89,7 +91,8 @@ pub trait Manifold {
     /// of the manifold at a state on it.
     fn make_tangent(&self, state: ManifoldPoint<'_>, deviation: &mut [f64]);
 
-    /// Why no step of this size ends on the manifold: the tangent leaves it farther than it curves.
+    /// Why no step of this size ends on the manifold, if that is why: the tangent leaves it farther than it
+    /// curves, or the gradients of constraints may become dependent on the way.
     fn too_long(&self, q: &[f64], p: &[f64], t: f64, h: f64) -> Option<StepFailure>;
 }
 
@@ -130,17 +133,51 @@ fn distance_of_momenta<F: Constrained>(scratch: &mut ManifoldScratch<F>) -> f64 
     largest_ratio(rates, bounds)
 }
 
+/// Evaluates the constraints after the correction `way`; returns how far it turns their gradients: the largest
+/// `|Σ_i ΔG_ki way_i| / Σ_i |G_ki way_i|`.
+fn turn_by_correction<F: Constrained>(
+    flows: &ConstrainedFlows<'_, F, f64>,
+    scratch: &mut ManifoldScratch<F>,
+    t: f64,
+) -> f64 {
+    let ConstraintScratch { pattern, here, way, impulses, bounds, .. } = scratch;
+    F::Layout::product(pattern, &here.jacobian, way.as_ref(), impulses.as_mut());
+    F::Layout::absolute_product(pattern, &here.jacobian, way.as_ref(), bounds.as_mut());
+    flows.evaluate_here(scratch, t);
+    let ConstraintScratch { pattern, here, way, impulses, corrections, bounds, .. } = scratch;
+    F::Layout::product(pattern, &here.jacobian, way.as_ref(), corrections.as_mut());
+    for (turned, before) in corrections.as_mut().iter_mut().zip(impulses.as_ref()) {
+        *turned -= before;
+    }
+    largest_ratio(corrections.as_ref(), bounds.as_ref())
+}
+
 /// The first constraint that follows from others at the state of the scratch, whose `G W Gᵀ` is factored.
 fn dependent<F: Constrained>(scratch: &mut ManifoldScratch<F>) -> Option<usize> {
+    let shares = independent_shares::<F>(scratch);
+    shares.as_ref().iter().position(|&share| {
+        let is_pivot = share > DEPENDENT;
+        !is_pivot
+    })
+}
+
+/// The constraint whose gradient is nearest to those of constraints before it in the elimination, and the
+/// share of its square that is independent of them.
+fn least_angle(independent_shares: &[f64]) -> Option<(usize, f64)> {
+    independent_shares.iter().copied().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+/// The share of the square of each gradient that is left when those of constraints before it in the elimination
+/// are taken out: pivots of `G W Gᵀ`, which is factored, over its diagonal.
+fn independent_shares<F: Constrained>(scratch: &mut ManifoldScratch<F>) -> Multipliers<f64, F::Layout> {
     let ConstraintScratch { pattern, here, factors, w, bounds, corrections, .. } = scratch;
     F::Layout::factor(pattern, &here.jacobian, w.as_ref(), &here.jacobian, factors);
     F::Layout::diagonal(pattern, &here.jacobian, w.as_ref(), bounds.as_mut());
     F::Layout::pivots(pattern, factors, corrections.as_mut());
-    let mut pivots = corrections.as_ref().iter().zip(bounds.as_ref());
-    pivots.position(|(pivot, diagonal)| {
-        let is_pivot = *pivot > DEPENDENT * diagonal;
-        !is_pivot
-    })
+    let shares = corrections.as_mut().iter_mut().zip(bounds.as_ref());
+    // Masses are positive.
+    shares.for_each(|(pivot, diagonal)| *pivot /= diagonal.max(0.0));
+    corrections.clone()
 }
 
 impl<F: Constrained> Manifold for F {
@@ -164,20 +201,28 @@ impl<F: Constrained> Manifold for F {
         // Where the constraints are roundings, no correction makes them smaller.
         while !(residual <= ROUNDINGS || (residual <= NEAR * NEAR && residual >= 0.5 * before)) {
             if iterations == MOST_ITERATIONS || !residual.is_finite() {
-                return Err(StepFailure::NotConverged { iterations, correction: residual });
+                return Err(StepFailure::NoProjection { iterations, residual });
             }
             if let Some(constraint) = dependent::<F>(&mut scratch) {
                 return Err(StepFailure::Dependent { constraint });
             }
-            let ConstraintScratch { pattern, here, factors, q, w, force, corrections, .. } = &mut scratch;
+            let ConstraintScratch { pattern, here, factors, q, way, w, force, corrections, .. } =
+                &mut scratch;
             let corrections = corrections.as_mut();
             corrections.copy_from_slice(here.values.as_ref());
             F::Layout::solve(pattern, factors, corrections);
             F::Layout::transposed_product(pattern, &here.jacobian, corrections, force.as_mut());
-            for ((q, force), w) in q.as_mut().iter_mut().zip(force.as_ref()).zip(w.as_ref()) {
-                *q -= w * force;
+            for (((q, way), force), w) in
+                q.as_mut().iter_mut().zip(way.as_mut()).zip(force.as_ref()).zip(w.as_ref())
+            {
+                *way = -w * force;
+                *q += *way;
             }
-            flows.evaluate_here(&mut scratch, t);
+            if iterations == 0 {
+                distance.coordinates = distance.coordinates.max(turn_by_correction(&flows, &mut scratch, t));
+            } else {
+                flows.evaluate_here(&mut scratch, t);
+            }
             (before, residual) = (residual, flows.distance(&mut scratch));
             iterations += 1;
         }
@@ -277,13 +322,22 @@ impl<F: Constrained> Manifold for F {
         });
         let worst = lengths.enumerate().max_by(|(_, a), (_, b)| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));
         let (constraint, [length, radius]) = worst?;
-        let is_finite = length.is_finite() && radius.is_finite();
+        if !(length.is_finite() && radius.is_finite()) {
+            return None;
+        }
         // Below half of the radius the tangent is no cause.
-        (is_finite && length > 0.5 * radius).then_some(StepFailure::BeyondCurvature {
-            constraint,
-            length,
-            radius,
-        })
+        if length > 0.5 * radius {
+            return Some(StepFailure::BeyondCurvature { constraint, length, radius });
+        }
+        // The square of the sine of the least angle between a gradient and those before it. Both turn by at most
+        // the angle `length / radius` within the step.
+        let turn = 2.0 * length / radius;
+        let nearest = match F::HAS_SQUARES {
+            true => least_angle(independent_shares::<F>(&mut scratch_at(self, q, p, t)).as_ref()),
+            false => least_angle(GeneralPoint::new(self, ManifoldPoint { q, p, t }).independent_shares()),
+        };
+        let (constraint, square) = nearest?;
+        (square <= turn * turn).then_some(StepFailure::Dependent { constraint })
     }
 }
 

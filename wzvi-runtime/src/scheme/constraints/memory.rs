@@ -1,6 +1,7 @@
 //! The memory of steps with constraints: the impulses of past steps, and scratch.
 
 use super::evaluation::{ConstraintsAt, Multipliers};
+use super::flows::RoundedConstraints;
 use super::past::PastImpulses;
 use super::{Constrained, ConstraintLayout};
 use crate::algebra::memory::{MemoryRequest, StepMemory, step_memory};
@@ -140,6 +141,8 @@ pub(crate) struct ConstraintScratch<S: Scalar, L: ConstraintLayout, H: Shape> {
     /// The noise increments of a part.
     pub(super) dw: Vec<S>,
     pub(super) columns: PairColumns,
+    /// Where the terms of a constraint are larger than its slopes tell.
+    pub(super) rounded: Option<Box<RoundedConstraints>>,
 }
 
 impl<S: Scalar, L: ConstraintLayout, H: Shape> ConstraintScratch<S, L, H> {
@@ -170,6 +173,7 @@ impl<S: Scalar, L: ConstraintLayout, H: Shape> ConstraintScratch<S, L, H> {
             bounds: multipliers(),
             dw: vec![S::from_f64(0.0); noises],
             columns: PairColumns::default(),
+            rounded: None,
         }
     }
 
