@@ -4,7 +4,12 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod between;
+mod failures;
 mod general;
+mod holds;
+mod linkages;
 mod references;
 mod rigid_bodies;
+mod runs;
+mod symplectic;
 mod systems;
