@@ -321,6 +321,7 @@ mod documents {
         Readme: "README.md",
         Benchmarks: "docs/guide/benchmarks.md",
         Choosing: "docs/guide/choosing.md",
+        Constraints: "docs/guide/constraints.md",
         Contributors: "docs/guide/contributors.md",
         Cookbook: "docs/guide/cookbook.md",
         CookbookDynamics: "docs/guide/cookbook-dynamics.md",

@@ -63,8 +63,8 @@ pub enum StepFailure {
         /// The radius of curvature along this way, likewise.
         radius: f64,
     },
-    /// A constraint follows from the others at the state, or may follow from them within the step: its gradient
-    /// is a combination of theirs, as where a linkage is folded. Or no mass that it moves is positive.
+    /// A constraint follows from the others at the state, or may follow from them within the step: its
+    /// gradient is a combination of theirs, as where a linkage is folded. Or it moves no positive mass.
     Dependent {
         /// The number of the constraint, from 0.
         constraint: usize,

@@ -25,9 +25,9 @@ pub(super) const MOST_ITERATIONS: u32 = 50;
 pub(super) const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
 /// The relative distance of a state from the manifold. It has no unit and does not depend on the units of the
-/// system. The terms of a rod far from the origin are much larger than the rod. So the change of the gradients by
-/// the first correction of Newton's method counts as a distance of the coordinates, too: it is the correction
-/// relative to the radius of curvature.
+/// system. The terms of a rod far from the origin are much larger than the rod. So the change of the
+/// gradients by the first correction of Newton's method counts as a distance of the coordinates, too: it is
+/// the correction relative to the radius of curvature.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Distance {
     /// The distance of the coordinates: the largest `|g_k| / Σ_i |∂g_k/∂q_i q_i|`.
@@ -133,8 +133,8 @@ fn distance_of_momenta<F: Constrained>(scratch: &mut ManifoldScratch<F>) -> f64 
     largest_ratio(rates, bounds)
 }
 
-/// Evaluates the constraints after the correction `way`; returns how far it turns their gradients: the largest
-/// `|Σ_i ΔG_ki way_i| / Σ_i |G_ki way_i|`.
+/// Evaluates the constraints after the correction `way`; returns how far it turns their gradients: the
+/// largest `|Σ_i ΔG_ki way_i| / Σ_i |G_ki way_i|`.
 fn turn_by_correction<F: Constrained>(
     flows: &ConstrainedFlows<'_, F, f64>,
     scratch: &mut ManifoldScratch<F>,
@@ -167,8 +167,8 @@ fn least_angle(independent_shares: &[f64]) -> Option<(usize, f64)> {
     independent_shares.iter().copied().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// The share of the square of each gradient that is left when those of constraints before it in the elimination
-/// are taken out: pivots of `G W Gᵀ`, which is factored, over its diagonal.
+/// The share of the square of each gradient that is left when those of constraints before it in the
+/// elimination are taken out: pivots of `G W Gᵀ`, which is factored, over its diagonal.
 fn independent_shares<F: Constrained>(scratch: &mut ManifoldScratch<F>) -> Multipliers<f64, F::Layout> {
     let ConstraintScratch { pattern, here, factors, w, bounds, corrections, .. } = scratch;
     F::Layout::factor(pattern, &here.jacobian, w.as_ref(), &here.jacobian, factors);
@@ -329,8 +329,8 @@ impl<F: Constrained> Manifold for F {
         if length > 0.5 * radius {
             return Some(StepFailure::BeyondCurvature { constraint, length, radius });
         }
-        // The square of the sine of the least angle between a gradient and those before it. Both turn by at most
-        // the angle `length / radius` within the step.
+        // The square of the sine of the least angle between a gradient and those before it. Both turn by at
+        // most the angle `length / radius` within the step.
         let turn = 2.0 * length / radius;
         let nearest = match F::HAS_SQUARES {
             true => least_angle(independent_shares::<F>(&mut scratch_at(self, q, p, t)).as_ref()),
