@@ -170,7 +170,7 @@
 /// | `damping` | in its place, a matrix in mass/time that acts on the velocities |
 /// | `temperature` | `kT` of the [heat bath](bath), in units of energy: an expression of fields |
 /// | `calculus` | `Ito`: the noises are in the sense of Ito, and the system is converted to that of Stratonovich, or refused |
-/// | `constraint` | a list of [constraints](constraints) `g(q) = 0` or `g(q, t) = 0`, closures of the coordinates; `[\|q, k\| ...; N]` is a family of `N`. Their schemes are [`Rattle`](embedding::Rattle), its compositions and [`GBaoab`](embedding::GBaoab) |
+/// | `constraint` | a list of [constraints] `g(q) = 0` or `g(q, t) = 0`, closures of the coordinates; `[\|q, k\| ...; N]` is a family of `N`. Their schemes are [`Rattle`](embedding::Rattle), its compositions and [`GBaoab`](embedding::GBaoab) |
 /// | `embedding` | a [scheme](embedding), or a list of schemes; only these are generated |
 /// | `invariant` | a list of first integrals, which the compiler must prove; `[name = \|q, p\| ...]` names them |
 /// | `crate` | the path of this crate, if you renamed it |

@@ -67,7 +67,8 @@ fn with_dependency(
 /// struct Kubo { a: f64, sigma: f64 }
 /// ```
 ///
-/// The other keys are `force`, `noise_force`, `friction`, `damping`, `temperature` and `calculus`.
+/// The other keys are `force`, `noise_force`, `friction`, `damping`, `temperature`, `constraint` and
+/// `calculus`.
 ///
 /// The patterns of a closure declare the phase space. They are the coordinates, the momenta and, if it is
 /// named, time:
@@ -79,6 +80,7 @@ fn with_dependency(
 /// | `\|q: [f64; 3], p: [f64; 3]\|` | indexed; the length may be a constant or a const generic of the struct |
 /// | `\|q: [[f64; 3]; N], p: [[f64; 3]; N]\|` | points |
 /// | `\|q: &[f64], p: &[f64]\|` | the size is that of the state |
+/// | `\|q: Rotation, p\|` | a rotation matrix with its constraints; `[Rotation; N]` for several |
 /// | `\|q, p, t\|` | any of these with explicit time |
 ///
 /// In `noise = [|q, p, k| sigma * q[k]; N]` the last parameter is the index of the noise. The fields of the

@@ -77,8 +77,8 @@ fn name(ty: &Type) -> Option<&syn::Ident> {
     }
 }
 
-/// `(c_a · c_b - δ_ab) = 0` for the columns `c_a` of the matrix, the images of the axes of the body; half of it
-/// for `a = b`, whose gradient is then `c_a`. One constraint, or one for each matrix.
+/// `(c_a · c_b - δ_ab) = 0` for the columns `c_a` of the matrix, the images of the axes of the body; half of
+/// it for `a = b`, whose gradient is then `c_a`. One constraint, or one for each matrix.
 fn orthonormality(rotations: &Rotations<'_>) -> Vec<Hamiltonian> {
     const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
     let (span, ty) = (rotations.name.span(), rotations.ty);
