@@ -11,8 +11,8 @@ use crate::algebra::state::{State, Vector};
 /// `q[i][a]` is the component along axis `i` of space of the unit vector of axis `a` of the body, so that
 /// `x = Q X` takes a point `X` of the body to its place `x`. The declaration adds six constraints,
 /// `(QᵀQ - 1)/2 = 0` on the diagonal and `QᵀQ = 0` beside it. The momenta are a matrix, too:
-/// `p[i][a] = d_a dq[i][a]/dt` with the [masses](RigidBody::masses) `d_a` of the body, if the kinetic energy is
-/// `Σ_ia p[i][a]²/(2 d_a)`. The state is that of nine numbers, row by row; [`RigidBody::state`] makes one.
+/// `p[i][a] = d_a dq[i][a]/dt` with the [masses](RigidBody::masses) `d_a` of the body, if the kinetic energy
+/// is `Σ_ia p[i][a]²/(2 d_a)`. The state is that of nine numbers, row by row; [`RigidBody::state`] makes one.
 /// `|q: [Rotation; N], p|` declares `N` bodies.
 ///
 /// # Example
@@ -63,8 +63,8 @@ impl RigidBody {
     ///
     /// # Errors
     ///
-    /// [`InertiaError`] if no body has these moments, or only one that is flat: the mass `d_a` across its plane
-    /// is zero, and so `Σ p²/(2 d_a)` is not finite.
+    /// [`InertiaError`] if no body has these moments, or only one that is flat: the mass `d_a` across its
+    /// plane is zero, and so `Σ p²/(2 d_a)` is not finite.
     pub fn new(inertia: [f64; 3]) -> Result<Self, InertiaError> {
         let body = Self { inertia: inertia.into() };
         let masses = body.masses();
