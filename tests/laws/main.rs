@@ -17,6 +17,8 @@ mod branches;
 mod brouwer;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod chaos_errors;
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
+mod constraints;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod convergence;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
