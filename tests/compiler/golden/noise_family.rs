@@ -37,7 +37,7 @@ Facts
   converges to the Stratonovich system; D = 0
   h → 0, then ε → 0: X_{ε,n} → X_ε → X
   ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving
-  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]
+  Σ_k {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]
   the noises commute up to a constant
   H0 is not a first integral
 
@@ -267,7 +267,7 @@ const _: () = {
     impl Discretized<Midpoint> for Bath {
         type Scheme = Loops<Midpoint>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [(p[i]² + q[i]²)/2]\n  H_k = sigma q[k]   for k=0..sites - 1\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q_{1/2}) - H_W(P, q_{1/2})\n  H_W = Σ_k ΔW[k] H_k\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q_{1/2})\n  p = -D1 L_d:  P = p + v,  v = -1/2 h ∂H0/∂q(P, q_{1/2}) - 1/2 ∂H_W/∂q(P, q_{1/2})\n  p' = D2 L_d:  p' = P - 1/2 h ∂H0/∂q(P, q_{1/2}) - 1/2 ∂H_W/∂q(P, q_{1/2})\n  with these contributions to the slopes\n    ∂H0/∂p[i] += p[i]   for i=0..n - 1\n    ∂H0/∂q[i] += q[i]   for i=0..n - 1\n    ∂H_W/∂q[i] += sigma ΔW[i]   for i=0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+        const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [(p[i]² + q[i]²)/2]\n  H_k = sigma q[k]   for k=0..sites - 1\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q_{1/2}) - H_W(P, q_{1/2})\n  H_W = Σ_k ΔW[k] H_k\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q_{1/2})\n  p = -D1 L_d:  P = p + v,  v = -1/2 h ∂H0/∂q(P, q_{1/2}) - 1/2 ∂H_W/∂q(P, q_{1/2})\n  p' = D2 L_d:  p' = P - 1/2 h ∂H0/∂q(P, q_{1/2}) - 1/2 ∂H_W/∂q(P, q_{1/2})\n  with these contributions to the slopes\n    ∂H0/∂p[i] += p[i]   for i=0..n - 1\n    ∂H0/∂q[i] += q[i]   for i=0..n - 1\n    ∂H_W/∂q[i] += sigma ΔW[i]   for i=0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  Σ_k {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
         const IN_LOOPS: Option<InLoops> = Some(InLoops {
             order: 2,
             is_consistent: true,

@@ -38,7 +38,7 @@ Facts
   converges to the Stratonovich system; D = 0
   h → 0, then ε → 0: X_{ε,n} → X_ε → X
   ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving
-  {H_k, H0} = Σ_(i=0..N - 1) [-sigma p[i][0]]
+  Σ_k {H_k, H0} = Σ_(i=0..N - 1) [-sigma p[i][0]]
   the noises commute up to a constant
   H0 is not a first integral
 
@@ -347,7 +347,7 @@ const _: () = {
     impl<const N: usize> Discretized<Rattle> for Rods<{ N }> {
         type Scheme = WholeOf<Self, Rattle>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
-        const EQUATIONS: &'static str = "Rattle\n\nHamiltonians\n  H0 = Σ_(i=0..N - 1) [g q[2 i + 1] + (p[2 i]² + p[2 i + 1]²)/2]\n  H_k = sigma q[k][0]   for k=0..N - 1\n\nConstraints\n  0 = g1 = (q[0]² - l² + q[1]²)/2\n  0 = g_(k + 1) = ((q[k + 1][0] - q[k][0])² - l² + (q[k + 1][1] - q[k][1])²)/2   for k=0..N - 2\n\nDiscrete Lagrangian of the step from t_i to t_i + h, with F = h H0 + Σ_k ΔW_k H_k\n  L_d = P · (q_{i+1} - q_i) - F(q_i, P, t_i)/2 - F(q_{i+1}, P, t_{i+1})/2\n        - h/2 λ · g(q_i, t_i) - h/2 μ · g(q_{i+1}, t_{i+1})\n\nDiscrete Euler-Lagrange equations, with G = ∂g/∂q\n  p_i = -D1 L_d:      P = p_i - 1/2 ∂F/∂q(q_i, t_i) - h/2 G(q_i, t_i)ᵀ λ\n  ∂L_d/∂P = 0:        q_{i+1} = q_i + h ∂H0/∂p(P)\n  ∂L_d/∂λ of the next step = 0:  g(q_{i+1}, t_{i+1}) = 0\n  p_{i+1} = D2 L_d:   p_{i+1} = P - 1/2 ∂F/∂q(q_{i+1}, t_{i+1}) - h/2 G(q_{i+1}, t_{i+1})ᵀ μ\n  0 = dg/dt:          0 = G(q_{i+1}, t_{i+1}) ∂H0/∂p(p_{i+1})\n\nStep\n  solve for λ: Newton, matrix h²/2 G(q_{i+1}) W G(q_i)ᵀ with W = ∂²H0/∂p², sparse: one unknown for each constraint, coupled where they share a coordinate\n  solve for μ: linear, matrix h/2 G W Gᵀ at q_{i+1}\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H_k, H0} = Σ_(i=0..N - 1) [-sigma p[i][0]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+        const EQUATIONS: &'static str = "Rattle\n\nHamiltonians\n  H0 = Σ_(i=0..N - 1) [g q[2 i + 1] + (p[2 i]² + p[2 i + 1]²)/2]\n  H_k = sigma q[k][0]   for k=0..N - 1\n\nConstraints\n  0 = g1 = (q[0]² - l² + q[1]²)/2\n  0 = g_(k + 1) = ((q[k + 1][0] - q[k][0])² - l² + (q[k + 1][1] - q[k][1])²)/2   for k=0..N - 2\n\nDiscrete Lagrangian of the step from t_i to t_i + h, with F = h H0 + Σ_k ΔW_k H_k\n  L_d = P · (q_{i+1} - q_i) - F(q_i, P, t_i)/2 - F(q_{i+1}, P, t_{i+1})/2\n        - h/2 λ · g(q_i, t_i) - h/2 μ · g(q_{i+1}, t_{i+1})\n\nDiscrete Euler-Lagrange equations, with G = ∂g/∂q\n  p_i = -D1 L_d:      P = p_i - 1/2 ∂F/∂q(q_i, t_i) - h/2 G(q_i, t_i)ᵀ λ\n  ∂L_d/∂P = 0:        q_{i+1} = q_i + h ∂H0/∂p(P)\n  ∂L_d/∂λ of the next step = 0:  g(q_{i+1}, t_{i+1}) = 0\n  p_{i+1} = D2 L_d:   p_{i+1} = P - 1/2 ∂F/∂q(q_{i+1}, t_{i+1}) - h/2 G(q_{i+1}, t_{i+1})ᵀ μ\n  0 = dg/dt:          0 = G(q_{i+1}, t_{i+1}) ∂H0/∂p(p_{i+1})\n\nStep\n  solve for λ: Newton, matrix h²/2 G(q_{i+1}) W G(q_i)ᵀ with W = ∂²H0/∂p², sparse: one unknown for each constraint, coupled where they share a coordinate\n  solve for μ: linear, matrix h/2 G W Gᵀ at q_{i+1}\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  Σ_k {H_k, H0} = Σ_(i=0..N - 1) [-sigma p[i][0]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
     }
     wzvi::bindings! {
         at b0 by_p by_q difference difference2 factor first0 first1 g i0 i1 i2 index into

@@ -15,7 +15,7 @@ pub(crate) mod sweep;
 
 use crate::discretise::branches::{Boundary, Crossing};
 use crate::discretise::{
-    Block, Facts, NoiseClass, Scheme, Solution, StepSymbols, Unknown, modified, unweighted,
+    Block, Facts, NoiseClass, Scheme, Solution, StepSymbols, Unknown, family_of, modified, unweighted,
 };
 use crate::embedding::{Embedding, Points};
 use crate::model::{CollectiveRole, Conversion, Family, FamilyTerm, Form, Noise, System, Term};
@@ -236,8 +236,10 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
             limits(facts, embedding, text);
         }
         for (number, rate) in facts.numbers.iter().zip(&facts.energy.rates) {
+            // The brackets of a family are summed over its members.
+            let sum = if rate.iter().any(|weighted| family_of(weighted).is_some()) { "Σ_k " } else { "" };
             let rate = facts.space.display(graph, rate, Rational::ONE);
-            say!(text, "  {{H{number}, H0}} = {rate}");
+            say!(text, "  {sum}{{H{number}, H0}} = {rate}");
         }
         if facts.has_several_noises {
             let commuting = match &facts.commuting {
