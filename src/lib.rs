@@ -117,6 +117,38 @@
 //! }
 //! ```
 //!
+//! Constraints are declared beside it, too. [`Rattle`](embedding::Rattle) keeps the path on their manifold; a
+//! rotation matrix brings its own:
+//!
+//! ```
+//! use wzvi::constraints::RigidBody;
+//! use wzvi::nalgebra::{Rotation3, Vector3};
+//! use wzvi::prelude::*;
+//!
+//! #[hamiltonian(
+//!     drift = |q: Rotation, p| {
+//!         let row = |i: usize| (0..3).map(|a| p[i][a] * p[i][a] / (2.0 * d[a])).sum::<f64>();
+//!         row(0) + row(1) + row(2) + weight * q[2][2]
+//!     },
+//!     embedding = Rattle,
+//! )]
+//! struct Top {
+//!     d: [f64; 3],
+//!     weight: f64,
+//! }
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let body = RigidBody::new([1.0, 1.0, 1.5])?;
+//!     let top = Top { d: body.masses(), weight: 2.0 };
+//!     let tilted = Rotation3::from_axis_angle(&Vector3::x_axis(), 0.3);
+//!     let start = body.state(tilted, Vector3::new(0.0, 0.0, 5.0));
+//!     let path = top.simulate::<Rattle>(0.01).start(start).until(10.0).run()?;
+//!     let vertical = body.angular_momentum_in_space(path.last()).z;
+//!     assert!((vertical - 7.5 * 0.3_f64.cos()).abs() < 1e-12);
+//!     Ok(())
+//! }
+//! ```
+//!
 //! # The tour
 //!
 //! * **A system** has a drift `H_0` and noises `H_k`, in the sense of Stratonovich:

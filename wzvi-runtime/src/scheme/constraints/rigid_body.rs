@@ -19,7 +19,7 @@ use crate::algebra::state::{State, Vector};
 ///
 /// A heavy top with its fixed point at the origin:
 ///
-/// ```
+/// ```ignore
 /// use wzvi::constraints::RigidBody;
 /// use wzvi::nalgebra::{Rotation3, Vector3};
 /// use wzvi::prelude::*;
