@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 
 use wzvi::bath::{A, B, HarmonicLaw, Letters, O};
+use wzvi::constraints::RigidBody;
 use wzvi::embedding::OneStep;
 use wzvi::error::StepFailure;
-use wzvi::nalgebra::{DVector, SVector};
+use wzvi::nalgebra::{DVector, Rotation3, SVector, Vector3};
 use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 use wzvi::scalar::Scalar;
@@ -15,7 +16,7 @@ use wzvi::system::{Scratch, StepField};
 
 use crate::Drawn;
 use crate::systems::{
-    AngleRing, Chain, Driven, Kepler, Kubo, Oscillator, Pendulum, Rotor, Simpson, SpinRing, WarmWells,
+    AngleRing, Chain, Driven, Kepler, Kubo, Oscillator, Pendulum, Rotor, Simpson, SpinRing, Top, WarmWells,
 };
 
 pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
@@ -37,6 +38,7 @@ pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
         ("branches", branches()),
         ("drift", drift()?),
         ("spins", spins()?),
+        ("top", top()?),
     ])
 }
 
@@ -381,6 +383,27 @@ fn drift() -> Drawn {
     .line("Kutta's rule, order 4", Colour::VERMILION, energies::<Own<Kutta>>(250)?)
     .line("Verlet", Colour::GREEN, energies::<Verlet>(1000)?)
     .line("Verlet by KahanLi8", Colour::BLUE, energies::<Composed<Verlet, KahanLi8>>(59)?))
+}
+
+/// The axis of a heavy top that is pushed back, let go, and pushed on.
+fn top() -> Drawn {
+    let body = RigidBody::new([1.0, 1.0, 0.5])?;
+    let attitude = Rotation3::from_axis_angle(&Vector3::x_axis(), 0.7);
+    let edge = (0..=360).map(|k| (f64::from(k) * TAU / 360.0).sin_cos());
+    let mut figure = Figure::panel("The axis of a top from above, Rattle, h = 0.01", "x", "y")
+        .equal_axes()
+        .points(Look::Dashed, "unit sphere", Colour::GREY, edge);
+    for (name, colour, precession) in [
+        ("pushed back", Colour::VERMILION, -0.4),
+        ("let go", Colour::BLUE, 0.0),
+        ("pushed on", Colour::GREEN, 0.5),
+    ] {
+        let velocity = attitude.inverse() * Vector3::new(0.0, 0.0, precession) + Vector3::new(0.0, 0.0, 8.0);
+        let start = body.state(attitude, velocity);
+        let path = Top { d: body.masses() }.simulate::<Rattle>(0.01).start(start).until(7.0).run()?;
+        figure = figure.line(name, colour, path.iter().map(|state| (state.q[2], state.q[5])));
+    }
+    Ok(figure)
 }
 
 /// A ring of spins in two kinds of canonical variables.

@@ -148,3 +148,15 @@ fn spin_at(angle: f64, height: f64) -> [f64; 3] {
     embedding = Midpoint,
 )]
 pub(crate) struct AngleRing;
+
+/// A symmetric top with the moment of inertia 1 across its axis, and weight times distance to the fixed point 1.
+#[hamiltonian(
+    drift = |q: Rotation, p| {
+        let kinetic = |i: usize| (0..3).map(|a| p[i][a] * p[i][a] / (2.0 * d[a])).sum::<f64>();
+        kinetic(0) + kinetic(1) + kinetic(2) + q[2][2]
+    },
+    embedding = Rattle,
+)]
+pub(crate) struct Top {
+    pub(crate) d: [f64; 3],
+}
