@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (title, precession) in [
         ("The axis is pushed back: loops", -0.4),
         ("The axis is let go: cusps", 0.0),
-        ("The axis is pushed on: waves", 0.5),
+        ("The axis is pushed on: waves", 0.12),
     ] {
         let path = top.simulate::<Rattle>(0.01).start(start(&body, precession)).until(40.0).run()?;
         let axis = path.iter().map(|state| (state.q[2], state.q[5]));

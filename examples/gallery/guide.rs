@@ -396,7 +396,7 @@ fn top() -> Drawn {
     for (name, colour, precession) in [
         ("pushed back", Colour::VERMILION, -0.4),
         ("let go", Colour::BLUE, 0.0),
-        ("pushed on", Colour::GREEN, 0.5),
+        ("pushed on", Colour::GREEN, 0.12),
     ] {
         let velocity = attitude.inverse() * Vector3::new(0.0, 0.0, precession) + Vector3::new(0.0, 0.0, 8.0);
         let start = body.state(attitude, velocity);
