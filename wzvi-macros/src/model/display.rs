@@ -99,22 +99,24 @@ impl System {
         IndexNames { tables: &self.tables, letter: &letter }.index(index)
     }
 
-    /// The number of each noise as it is written behind `H`: `_k` for the members of a family, after the
-    /// noises before it.
+    /// The number of each noise as it is written behind `H`, from 1. Member `k` of a family, from 0, is
+    /// `_(k + 3)` after two noises, and `_k` if the family is the first.
     pub(crate) fn noise_numbers(&self) -> Vec<String> {
-        self.numbers(self.noise.iter().map(|noise| noise.family.as_ref()), self.noise_offsets())
+        let families = self.noise.iter().map(|noise| noise.family.as_ref());
+        self.numbers(families, self.noise_offsets(), "_k")
     }
 
-    /// The number of each constraint as it is written behind `g`, likewise.
+    /// The number of each constraint as it is written behind `g`, from 1, as errors of steps count them.
     pub(crate) fn constraint_numbers(&self) -> Vec<String> {
         let families = self.constraints.iter().map(|constraint| constraint.family.as_ref());
-        self.numbers(families, self.constraint_offsets())
+        self.numbers(families, self.constraint_offsets(), "_(k + 1)")
     }
 
     fn numbers<'f>(
         &self,
         families: impl Iterator<Item = Option<&'f Family>>,
         offsets: Vec<Index>,
+        first_family: &str,
     ) -> Vec<String> {
         let names = IndexNames { tables: &self.tables, letter: &|_| "k" };
         let numbers = families.zip(offsets).map(|(family, offset)| {
@@ -122,8 +124,8 @@ impl System {
             match (family, offset.as_integer()) {
                 (None, Some(_)) => names.index(&first),
                 (None, None) => format!("_({})", names.index(&first)),
-                (Some(_), Some(0)) => "_k".to_owned(),
-                (Some(_), _) => format!("_(k + {})", names.index(&offset)),
+                (Some(_), Some(0)) => first_family.to_owned(),
+                (Some(_), _) => format!("_(k + {})", names.index(&first)),
             }
         });
         numbers.collect()

@@ -56,7 +56,7 @@ pub enum StepFailure {
     /// No step of this size ends on the manifold of the constraints: the way along the tangent is long
     /// against the radius of curvature. On a sphere there is no end beyond the radius.
     BeyondCurvature {
-        /// The number of the constraint, from 0.
+        /// The number of the constraint, from 0; the message counts from 1, as `EQUATIONS` does.
         constraint: usize,
         /// The way `h |v|` of the coordinates that it reads, in their units.
         length: f64,
@@ -66,7 +66,7 @@ pub enum StepFailure {
     /// A constraint follows from the others at the state, or may follow from them within the step: its
     /// gradient is a combination of theirs, as where a linkage is folded. Or it moves no positive mass.
     Dependent {
-        /// The number of the constraint, from 0.
+        /// The number of the constraint, from 0; the message counts from 1, as `EQUATIONS` does.
         constraint: usize,
     },
     /// The state is not on the manifold of the constraints.

@@ -50,6 +50,11 @@ pub(crate) use word::{ConstrainedStep, Relaxes};
 use crate::algebra::scalar::Scalar;
 use crate::scheme::elements::{Elements, EvaluationPoint};
 
+/// Constraints hold to so many roundings of the coordinates that they read.
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+/// The most iterations of a step. Newton's method takes three or four.
+const MOST_ITERATIONS: u32 = 24;
+
 /// A system with constraints; generated.
 pub trait Constrained: Elements {
     /// The arrangement of the Jacobian of the constraints.

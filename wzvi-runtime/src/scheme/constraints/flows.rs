@@ -2,17 +2,12 @@
 
 use super::memory::ConstraintScratch;
 use super::past::PastImpulses;
-use super::{Constrained, ConstraintLayout};
+use super::{Constrained, ConstraintLayout, MOST_ITERATIONS, ROUNDINGS};
 use crate::algebra::scalar::{Mask, Rounded, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::state_sum::StateSum;
 use crate::scheme::compose::lists::add;
 use crate::scheme::elements::{EvaluationPoint, field};
-
-/// The constraints hold to so many roundings of the coordinates that they read.
-const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
-/// The most iterations of a drift. Newton's method takes three or four.
-const MOST_ITERATIONS: u32 = 24;
 
 /// A system with the constants of a step.
 pub(crate) struct ConstrainedFlows<'a, F, S: Scalar> {

@@ -15,7 +15,7 @@ use super::flows::largest_ratio;
 use super::layout::{is_pivot, truth};
 use super::manifold::NEAR;
 use super::past::PastImpulses;
-use super::{Constrained, ConstraintRows};
+use super::{Constrained, ConstraintRows, MOST_ITERATIONS, ROUNDINGS};
 use crate::algebra::memory::step_memory;
 use crate::algebra::scalar::{ComputesWith, Constant, Mask, Scalar};
 use crate::algebra::shape::{Dynamic, Shape as _};
@@ -30,12 +30,8 @@ use crate::scheme::system::{
     LiftParameter, Movable, Properties, Scheme, StepArguments, check_lengths, varied_without_lists,
 };
 
-/// The constraints hold to so many roundings of the coordinates that they read.
-const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 /// A correction of this fraction of an unknown and its state leaves one that is below rounding: its square.
 const LAST_CORRECTION: f64 = 1e-9;
-/// The most iterations.
-const MOST_ITERATIONS: u32 = 24;
 /// The most unknowns of a step, whose matrices are dense.
 const MOST_UNKNOWNS: usize = 600;
 

@@ -1,9 +1,9 @@
 //! The manifold of a system with any Hamiltonian, by dense matrices: as [`Manifold`](super::Manifold).
 
-use super::Constrained;
 use super::flows::largest_ratio;
 use super::general::{DenseMatrix, GeneralConstraints, GeneralField, StepPoint, TangentRoom};
-use super::manifold::{DEPENDENT, Distance, MOST_ITERATIONS, ManifoldPoint, NEAR, ROUNDINGS};
+use super::manifold::{DEPENDENT, Distance, MOST_CORRECTIONS, ManifoldPoint, NEAR};
+use super::{Constrained, ROUNDINGS};
 use crate::algebra::scalar::Dual;
 use crate::error::StepFailure;
 
@@ -74,7 +74,7 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
         let mut distance = Distance { coordinates: self.distance_of_coordinates(), momenta: 0.0 };
         let (mut residual, mut before, mut iterations) = (distance.coordinates, f64::INFINITY, 0);
         while !(residual <= ROUNDINGS || (residual <= NEAR * NEAR && residual >= 0.5 * before)) {
-            if iterations == MOST_ITERATIONS || !residual.is_finite() {
+            if iterations == MOST_CORRECTIONS || !residual.is_finite() {
                 return Err(StepFailure::NoProjection { iterations, residual });
             }
             if let Some(constraint) = self.dependent() {

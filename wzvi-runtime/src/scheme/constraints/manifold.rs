@@ -7,7 +7,7 @@ use super::evaluation::Multipliers;
 use super::flows::{ConstrainedFlows, largest_ratio};
 use super::general_manifold::GeneralPoint;
 use super::memory::ConstraintScratch;
-use super::{Constrained, ConstraintLayout, ConstraintRows};
+use super::{Constrained, ConstraintLayout, ConstraintRows, ROUNDINGS};
 use crate::algebra::scalar::{Dual, Scalar};
 use crate::algebra::state::{State, Vector};
 use crate::algebra::state_sum::PlainSum;
@@ -19,10 +19,8 @@ pub(crate) const NEAR: f64 = 1e-6;
 /// A constraint whose gradient keeps less than this fraction of its square when those of the constraints
 /// before it are taken out follows from these.
 pub(super) const DEPENDENT: f64 = 1e-10;
-/// The most iterations of a projection.
-pub(super) const MOST_ITERATIONS: u32 = 50;
-/// Constraints hold to so many roundings of the coordinates that they read.
-pub(super) const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+/// The most corrections of a projection.
+pub(super) const MOST_CORRECTIONS: u32 = 50;
 
 /// The relative distance of a state from the manifold. It has no unit and does not depend on the units of the
 /// system. The terms of a rod far from the origin are much larger than the rod. So the change of the
@@ -200,7 +198,7 @@ impl<F: Constrained> Manifold for F {
         let (mut residual, mut before, mut iterations) = (distance.coordinates, f64::INFINITY, 0);
         // Where the constraints are roundings, no correction makes them smaller.
         while !(residual <= ROUNDINGS || (residual <= NEAR * NEAR && residual >= 0.5 * before)) {
-            if iterations == MOST_ITERATIONS || !residual.is_finite() {
+            if iterations == MOST_CORRECTIONS || !residual.is_finite() {
                 return Err(StepFailure::NoProjection { iterations, residual });
             }
             if let Some(constraint) = dependent::<F>(&mut scratch) {

@@ -218,7 +218,8 @@ impl ConstraintLayout for SparseConstraints {
     }
 
     fn factors<S: Scalar>(pattern: &Arc<SparsePattern>) -> Vec<S> {
-        vec![S::from_f64(0.0); pattern.elimination.entries()]
+        // Behind the entries, the sums of the absolute terms of those on the diagonal.
+        vec![S::from_f64(0.0); pattern.elimination.entries() + pattern.elimination.pivots.len()]
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -288,7 +289,19 @@ impl ConstraintLayout for SparseConstraints {
         let term = |term: &Term| {
             later[term.later as usize] * (w[term.coordinate as usize] * earlier[term.earlier as usize])
         };
-        for (ends, entry) in term_starts.windows(2).zip(&mut *a) {
+        let n = elimination.pivots.len();
+        let (a, sizes) = a.split_at_mut(elimination.entries());
+        let (diagonal, others) = a.split_at_mut(n);
+        let (own_starts, other_starts) = (&term_starts[..n + 1], &term_starts[n..]);
+        for (ends, (entry, size)) in own_starts.windows(2).zip(diagonal.iter_mut().zip(&mut *sizes)) {
+            let (mut sum, mut absolute) = (S::from_f64(0.0), S::from_f64(0.0));
+            for known in &terms[ends[0] as usize..ends[1] as usize] {
+                let term = term(known);
+                (sum, absolute) = (sum + term, absolute + term.abs());
+            }
+            (*entry, *size) = (sum, absolute);
+        }
+        for (ends, entry) in other_starts.windows(2).zip(others) {
             let mut sum = S::from_f64(0.0);
             for known in &terms[ends[0] as usize..ends[1] as usize] {
                 sum = sum + term(known);
@@ -299,11 +312,7 @@ impl ConstraintLayout for SparseConstraints {
         let mut targets = elimination.targets.iter();
         for &Pivot { constraint, first, count } in &elimination.pivots {
             let own = constraint as usize;
-            let mut size = S::from_f64(0.0);
-            for known in &terms[term_starts[own] as usize..term_starts[own + 1] as usize] {
-                size = size + term(known).abs();
-            }
-            is_regular = is_regular & is_pivot(a[own], size);
+            is_regular = is_regular & is_pivot(a[own], sizes[own]);
             let inverse = a[own].recip();
             a[own] = inverse;
             for row in first..first + count {

@@ -57,7 +57,9 @@ impl<F: Constrained, S: Scalar> ConstrainedStep<'_, F, S> {
         let &Self { system, parameters, word, t, h, dw } = self;
         let flows = ConstrainedFlows { system, parameters };
         let is_same = scratch.begin(q, p, carry) & std::mem::take(&mut reached.0);
-        flows.weigh(scratch);
+        if !is_same {
+            flows.weigh(scratch);
+        }
         if F::READ_TIME || !is_same {
             flows.evaluate_here(scratch, t);
         }
