@@ -11,6 +11,7 @@
 //! * `ring`: coupled pendulums around a ring, h = 0.05; also in C; `Baoab` with increments that are there.
 //! * `mean field`: rotors that feel their magnetisation, h = 0.05.
 //! * `network`: oscillators on a random graph with a table of 3 bonds per site, N = 4096, h = 0.05; also in C (`hand_network.c`).
+//! * `rods`: a chain of rods in the plane that falls from a horizontal line, h = 0.002; also in C (`hand_rods.c`).
 //! * `polymer`: a chain of points in space, per point.
 //! * `stiff`: `Midpoint` where the fixed point does not contract: FPUT-alpha-beta at h = 3, and the field φ⁴ on 256² sites with `k h²` from 1 to 10⁶.
 //!
@@ -29,6 +30,7 @@ mod measure;
 mod memory;
 mod network;
 mod ring;
+mod rods;
 mod stiff;
 mod sums;
 
@@ -43,6 +45,7 @@ fn cases() -> Vec<Case> {
     cases.extend(ring::cases());
     cases.extend(mean_field::cases());
     cases.extend(network::cases());
+    cases.extend(rods::cases());
     cases.extend(stiff::cases());
     cases
 }
@@ -89,6 +92,9 @@ fn main() {
     }
     if wanted("network") {
         c_program::report("The network", "hand_network.c", &[(network::N, 40)], USUAL);
+    }
+    if wanted("rods") {
+        c_program::report("The chain of rods", "hand_rods.c", &[(100, 200), (1000, 20)], USUAL);
     }
     if wanted("lattice") || wanted("ring") {
         c_program::report("Fields", "hand_field.c", &[(1024, 200), (65_536, 4)], USUAL);
