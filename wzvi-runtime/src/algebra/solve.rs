@@ -31,6 +31,7 @@ pub(crate) use convergence::{
 pub use convergence::{nearly_over, relative_to};
 pub(crate) use damped::{NewtonScratch, Problem, damped};
 pub use dense::{Factor, SymmetricFactor, linear, prepared, reciprocal_above_one, usable};
+pub(crate) use dense::{eliminate, substitute};
 pub use effort::{Doubt, Effort};
 pub use extrapolation::Extrapolation;
 pub use factors_by_lane::FactorsByLane;

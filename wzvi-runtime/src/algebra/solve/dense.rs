@@ -304,7 +304,7 @@ pub(super) fn is_definite<S: Scalar, const N: usize>(matrix: &[[S; N]; N]) -> bo
 
 /// Column `k` of `A = L U` in place, with the reciprocal of the pivot that stands on the diagonal.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn eliminate<S: Scalar, const N: usize>(lu: &mut [[S; N]; N], k: usize) {
+pub(crate) fn eliminate<S: Scalar, const N: usize>(lu: &mut [[S; N]; N], k: usize) {
     let inverse = lu[k][k].recip();
     lu[k][k] = inverse;
     for i in k + 1..N {
@@ -318,7 +318,7 @@ pub(super) fn eliminate<S: Scalar, const N: usize>(lu: &mut [[S; N]; N], k: usiz
 
 /// `U⁻¹ L⁻¹ x`
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn substitute<S: Scalar + Mul<T, Output = S>, T: Copy, const N: usize>(
+pub(crate) fn substitute<S: Scalar + Mul<T, Output = S>, T: Copy, const N: usize>(
     lu: &[[T; N]; N],
     mut x: [S; N],
 ) -> [S; N] {

@@ -1,10 +1,10 @@
 //! Few constraints of few degrees of freedom: arrays, without index lists.
-#![expect(clippy::needless_range_loop, reason = "indices as in the formulas of matrices")]
 
 use super::Constrained;
 use super::layout::{ConstraintLayout, is_pivot, truth};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::shape::Fixed;
+use crate::algebra::solve::{eliminate, substitute};
 
 /// `M` constraints of `D` degrees of freedom, all of whose entries are stored.
 #[derive(Clone, Copy, Debug)]
@@ -18,11 +18,11 @@ impl<const D: usize, const M: usize> ConstraintLayout for DenseConstraints<D, M>
 
     fn pattern<F: Constrained<Layout = Self>>(_: &F, _: usize) {}
 
-    fn jacobian<S: Scalar>((): &()) -> [[S; D]; M] {
+    fn jacobian<S: Scalar>(_: &()) -> [[S; D]; M] {
         [[S::from_f64(0.0); D]; M]
     }
 
-    fn factors<S: Scalar>((): &()) -> [[S; M]; M] {
+    fn factors<S: Scalar>(_: &()) -> [[S; M]; M] {
         [[S::from_f64(0.0); M]; M]
     }
 
@@ -33,7 +33,7 @@ impl<const D: usize, const M: usize> ConstraintLayout for DenseConstraints<D, M>
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<S: Scalar>(
-        (): &(),
+        _: &(),
         jacobian: &mut [[S; D]; M],
         _: usize,
         [constraint, coordinate]: [usize; 2],
@@ -43,7 +43,7 @@ impl<const D: usize, const M: usize> ConstraintLayout for DenseConstraints<D, M>
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn product<S: Scalar>((): &(), jacobian: &[[S; D]; M], v: &[S], into: &mut [S]) {
+    fn product<S: Scalar>(_: &(), jacobian: &[[S; D]; M], v: &[S], into: &mut [S]) {
         for k in 0..M {
             let mut sum = S::from_f64(0.0);
             for i in 0..D {
@@ -54,7 +54,7 @@ impl<const D: usize, const M: usize> ConstraintLayout for DenseConstraints<D, M>
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn absolute_product<S: Scalar>((): &(), jacobian: &[[S; D]; M], v: &[S], into: &mut [S]) {
+    fn absolute_product<S: Scalar>(_: &(), jacobian: &[[S; D]; M], v: &[S], into: &mut [S]) {
         for k in 0..M {
             let mut sum = S::from_f64(0.0);
             for i in 0..D {
@@ -65,7 +65,7 @@ impl<const D: usize, const M: usize> ConstraintLayout for DenseConstraints<D, M>
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn transposed_product<S: Scalar>((): &(), jacobian: &[[S; D]; M], nu: &[S], into: &mut [S]) {
+    fn transposed_product<S: Scalar>(_: &(), jacobian: &[[S; D]; M], nu: &[S], into: &mut [S]) {
         for i in 0..D {
             let mut sum = S::from_f64(0.0);
             for k in 0..M {
@@ -77,7 +77,7 @@ impl<const D: usize, const M: usize> ConstraintLayout for DenseConstraints<D, M>
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn factor<S: Scalar>(
-        (): &(),
+        _: &(),
         later: &[[S; D]; M],
         w: &[S],
         earlier: &[[S; D]; M],
@@ -105,20 +105,12 @@ impl<const D: usize, const M: usize> ConstraintLayout for DenseConstraints<D, M>
         let mut is_regular = truth::<S::Mask>();
         for k in 0..M {
             is_regular = is_regular & is_pivot(a[k][k], terms[k]);
-            let inverse = a[k][k].recip();
-            a[k][k] = inverse;
-            for i in k + 1..M {
-                let factor = a[i][k] * inverse;
-                a[i][k] = factor;
-                for j in k + 1..M {
-                    a[i][j] = a[i][j] - factor * a[k][j];
-                }
-            }
+            eliminate(a, k);
         }
         is_regular
     }
 
-    fn diagonal<S: Scalar>((): &(), jacobian: &[[S; D]; M], w: &[S], into: &mut [S]) {
+    fn diagonal<S: Scalar>(_: &(), jacobian: &[[S; D]; M], w: &[S], into: &mut [S]) {
         for k in 0..M {
             into[k] = S::from_f64(0.0);
             for i in 0..D {
@@ -127,24 +119,16 @@ impl<const D: usize, const M: usize> ConstraintLayout for DenseConstraints<D, M>
         }
     }
 
-    fn pivots<S: Scalar>((): &(), a: &[[S; M]; M], into: &mut [S]) {
+    fn pivots<S: Scalar>(_: &(), a: &[[S; M]; M], into: &mut [S]) {
         for k in 0..M {
             into[k] = a[k][k].recip();
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn solve<S: Scalar>((): &(), a: &[[S; M]; M], b: &mut [S]) {
-        for i in 1..M {
-            for j in 0..i {
-                b[i] = b[i] - a[i][j] * b[j];
-            }
-        }
-        for i in (0..M).rev() {
-            for j in i + 1..M {
-                b[i] = b[i] - a[i][j] * b[j];
-            }
-            b[i] = b[i] * a[i][i];
-        }
+    fn solve<S: Scalar>(_: &(), a: &[[S; M]; M], b: &mut [S]) {
+        let mut x = [S::from_f64(0.0); M];
+        x.copy_from_slice(b);
+        b.copy_from_slice(&substitute(a, x));
     }
 }
