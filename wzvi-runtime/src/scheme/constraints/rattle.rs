@@ -73,8 +73,8 @@ pub struct RattleConstants<K> {
     word: Word,
     /// The number of its drifts.
     drifts: usize,
-    /// The logarithm of the factor of the momenta by friction over the whole step.
-    exponent: Option<K>,
+    /// The factor of the momenta by friction in each O part.
+    decays: Vec<K>,
 }
 
 /// The plan of steps that solve for the multipliers.
@@ -105,13 +105,14 @@ where
     ) -> Result<Self::Prepared<K>, ConfigError> {
         check_new(system)?;
         let parameters = varied_without_lists(system, lift)?;
-        let is_damped = F::FACTS.kind.is_conformal;
-        let exponent = is_damped.then(|| -(Elements::friction_rate(system, &parameters) * h));
         let word = match W::LISTING {
-            Listing::Steps(weights) if is_damped => Word::composed(WITH_FRICTION, weights),
+            Listing::Steps(weights) if F::FACTS.kind.is_conformal => Word::composed(WITH_FRICTION, weights),
             _ => W::word(),
         };
-        Ok(RattleConstants { parameters, drifts: word.drifts(), word, exponent })
+        let decay =
+            |part: &Substep| (-(Elements::friction_rate(system, &parameters) * h * part.weight)).exp();
+        let decays = word.substeps.iter().filter(|part| part.part == Part::O).map(decay).collect();
+        Ok(RattleConstants { parameters, drifts: word.drifts(), word, decays })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -122,23 +123,23 @@ where
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let RattleConstants { parameters, word, drifts, exponent } = prepared;
+        let RattleConstants { parameters, word, drifts, decays } = prepared;
         let StepArguments { t, h, q, p, dw } = at.lists().shared();
         let is_ready = memory.fits(q.len(), *drifts, dw.len());
         check_lengths(system, is_ready, [q.len(), p.len(), dw.len()])?;
         let room = memory.room(system, q.len(), *drifts, dw.len());
         let step = ConstrainedStep { system, parameters: S::varied(parameters), word, t, h, dw };
-        let mut friction = OneRate { exponent: exponent.map(S::constant) };
-        step.take([q, p], carry, room, &mut friction)?.effort()
+        step.take([q, p], carry, room, &mut OneRate { decays })?.effort()
     }
 }
 
 /// Friction with one rate.
-struct OneRate<S> {
-    exponent: Option<S>,
+struct OneRate<'a, K> {
+    /// The factor of the momenta in each O part.
+    decays: &'a [K],
 }
 
-impl<S: Scalar, L: ConstraintLayout, H: Shape> Relaxes<S, L, H> for OneRate<S> {
+impl<K: Constant, S: ComputesWith<K>, L: ConstraintLayout, H: Shape> Relaxes<S, L, H> for OneRate<'_, K> {
     const IS_WARM: bool = false;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -147,8 +148,7 @@ impl<S: Scalar, L: ConstraintLayout, H: Shape> Relaxes<S, L, H> for OneRate<S> {
         part: &Substep,
         scratch: &mut ConstraintScratch<S, L, H>,
     ) -> Result<(), StepFailure> {
-        let Some(exponent) = self.exponent else { return Ok(()) };
-        let decay = (exponent * part.weight).exp();
+        let decay = S::constant(self.decays[part.number]);
         let ConstraintScratch { p, lost_p, .. } = scratch;
         for (p, lost) in p.as_mut().iter_mut().zip(lost_p.as_mut()) {
             let change = *p * decay - *p;
