@@ -71,7 +71,10 @@ fn solvers(system: &System, facts: &Facts, text: &mut String) {
         let left = degrees as i128 - constraints;
         format!("; degrees of freedom left: {left} of {degrees}, if no constraint follows from others")
     });
-    let left = left.unwrap_or_default();
+    let left = left.unwrap_or_else(|| {
+        "; degrees of freedom left: all but one for each constraint that does not follow from others"
+            .to_owned()
+    });
     if !facts.has_squares {
         say!(
             text,
