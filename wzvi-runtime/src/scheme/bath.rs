@@ -230,7 +230,7 @@ impl Friction {
         if !self.is_heated {
             into.fill(zero);
         } else if self.has_temperatures {
-            elements::temperatures((system, parameters), t, into);
+            elements::temperatures(system, parameters, t, into);
         } else {
             let at = EvaluationPoint::new([&[][..]; 2], t, parameters, &[]);
             into.fill(system.value(Role::Temperature, 1.0, &at));

@@ -14,6 +14,7 @@ use super::letters::{A, B, Letter, Letters, O};
 use super::modes::Decay;
 use super::part::{self, BathLaw, BathMemory, OPartShares, OParts};
 use super::{GBaoab, with_bath};
+use crate::algebra::memory::step_memory;
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
@@ -42,6 +43,25 @@ pub struct ManifoldBathConstants<K> {
     relaxation: BathLaw<K>,
 }
 
+/// The memory of steps.
+#[derive(Debug)]
+pub struct ManifoldBathMemory<S: Scalar, L: ConstraintLayout, H: Shape> {
+    bath: BathMemory<S>,
+    constraints: ConstraintMemory<S, L, H>,
+}
+
+impl<S: Scalar, L: ConstraintLayout, H: Shape> Default for ManifoldBathMemory<S, L, H> {
+    fn default() -> Self {
+        Self { bath: BathMemory::default(), constraints: ConstraintMemory::default() }
+    }
+}
+
+step_memory! {
+    impl[S: Scalar, L: ConstraintLayout, H: Shape] StepMemory for ManifoldBathMemory<S, L, H> {
+        kept: bath, constraints
+    }
+}
+
 impl<F: Constrained> Scheme<F> for GBaoab {
     const PLAN: Plan = with_bath(constrained_plan::<F>());
     const PROPERTIES: Properties = Properties {
@@ -51,7 +71,7 @@ impl<F: Constrained> Scheme<F> for GBaoab {
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
     type Prepared<K: Constant> = ManifoldBathConstants<K>;
-    type Memory<S: Scalar> = (BathMemory<S>, ConstraintMemory<S, F::Layout, F::Shape>);
+    type Memory<S: Scalar> = ManifoldBathMemory<S, F::Layout, F::Shape>;
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = PlainSum;
 
@@ -59,8 +79,8 @@ impl<F: Constrained> Scheme<F> for GBaoab {
         system.noises() + part::normals::<F>(degrees, SHARES.parts)
     }
 
-    fn exchanged(_: &F, (bath, _): &Self::Memory<f64>) -> Exchange {
-        Exchange { work: 0.0, heat: bath.heat }
+    fn exchanged(_: &F, memory: &Self::Memory<f64>) -> Exchange {
+        Exchange { work: 0.0, heat: memory.bath.heat }
     }
 
     fn temperature(system: &F) -> Option<f64> {
@@ -68,7 +88,7 @@ impl<F: Constrained> Scheme<F> for GBaoab {
     }
 
     fn memory(system: &F) -> Self::Memory<f64> {
-        (BathMemory::of_system(system), ConstraintMemory::default())
+        ManifoldBathMemory { bath: BathMemory::of_system(system), constraints: ConstraintMemory::default() }
     }
 
     fn prepare<K: Constant>(
@@ -87,7 +107,7 @@ impl<F: Constrained> Scheme<F> for GBaoab {
         system: &F,
         ManifoldBathConstants { parameters, word, relaxation }: &Self::Prepared<K>,
         at: StepArguments<'_, S, K, impl Movable<S> + ?Sized>,
-        (bath, memory): &mut Self::Memory<S>,
+        ManifoldBathMemory { bath, constraints }: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let StepArguments { t, h, q, p, dw } = at.lists();
@@ -99,7 +119,7 @@ impl<F: Constrained> Scheme<F> for GBaoab {
             return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
         }
         let parts = bath.parts(system, relaxation, ([t, h], SHARES, degrees), (dw, noises))?;
-        let room = memory.room(system, degrees, word.drifts(), noises);
+        let room = constraints.room(system, degrees, word.drifts(), noises);
         let [t, h] = [t, h].map(|constant| S::constant(constant).to_constant());
         let step =
             ConstrainedStep { system, parameters: S::varied(parameters), word, t, h, dw: &dw[..noises] };

@@ -74,7 +74,8 @@ pub enum Form {
 struct SummandsOf<F>(PhantomData<F>);
 
 impl<F: Elements> SummandsOf<F> {
-    /// As [`Facts::summands`](crate::scheme::plan::Facts::summands).
+    /// As [`Facts::summands`](crate::scheme::plan::Facts::summands). A system without summands is an error
+    /// when this constant is compiled, not in a run.
     const FORMS: [Form; 2] =
         F::FACTS.summands.expect("the drift is declared in two parts, `drift = [H_A, H_B]`");
 }

@@ -117,8 +117,7 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
         if !is_tangent {
             let is_projected = self.of.make_tangent([&self.q, &self.p], self.t, &mut room, &self.constraints);
             if !is_projected {
-                let correction = distance.momenta;
-                return Err(StepFailure::NoProjection { iterations, residual: correction });
+                return Err(StepFailure::NoProjection { iterations, residual: distance.momenta });
             }
             self.p = room.moved;
         }

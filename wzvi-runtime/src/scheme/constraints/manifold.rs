@@ -153,10 +153,7 @@ fn turn_by_correction<F: Constrained>(
 /// The first constraint that follows from others at the state of the scratch, whose `G W Gᵀ` is factored.
 fn dependent<F: Constrained>(scratch: &mut ManifoldScratch<F>) -> Option<usize> {
     let shares = independent_shares::<F>(scratch);
-    shares.as_ref().iter().position(|&share| {
-        let is_pivot = share > DEPENDENT;
-        !is_pivot
-    })
+    shares.as_ref().iter().position(|&share| share.is_nan() || share <= DEPENDENT)
 }
 
 /// The constraint whose gradient is nearest to those of constraints before it in the elimination, and the

@@ -24,7 +24,8 @@ pub(crate) fn rates<H: Elements, S: Scalar>(
 
 /// The temperatures by degree of freedom, a covector of the time alone.
 pub(crate) fn temperatures<H: Elements, S: Scalar>(
-    (system, parameters): (&H, &[S::Constant]),
+    system: &H,
+    parameters: &[S::Constant],
     t: S::Constant,
     into: &mut [S],
 ) {

@@ -21,7 +21,8 @@ fn increment_of<H: Elements>(system: &H, segment: &Segment<H::Vector>, dw: &[f64
 
 /// Calls `take` with each stage, each weighted role there and their point, for a segment of this increment.
 fn for_each_role<H: Elements>(
-    (system, scheme): (&H, &Quadrature),
+    system: &H,
+    scheme: &Quadrature,
     segment: &Segment<H::Vector>,
     increment: &[f64],
     dw: &[f64],
@@ -46,7 +47,7 @@ pub(crate) fn discrete_lagrangian<H: Elements>(
 ) -> f64 {
     let Some(u) = increment_of(system, segment, dw) else { return f64::NAN };
     let mut value = dot(segment.p.components(), &u);
-    for_each_role((system, scheme), segment, &u, dw, |_, WeightedRole { role, weight }, at| {
+    for_each_role(system, scheme, segment, &u, dw, |_, WeightedRole { role, weight }, at| {
         value -= system.value(role, weight, at);
     });
     value
@@ -72,7 +73,7 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     by_momentum.copy_from_slice(&u);
     let mut force = vec![0.0; by_start.len()];
     let (mut velocity, columns) = (force.clone(), &mut PairColumns::default());
-    for_each_role((system, scheme), segment, &u, dw, |stage, weighted, at| {
+    for_each_role(system, scheme, segment, &u, dw, |stage, weighted, at| {
         force.fill(0.0);
         velocity.fill(0.0);
         slopes(system, weighted, at, Partials::ALL, &mut force, &mut velocity, columns);
