@@ -107,8 +107,8 @@ where
         }
     }
     let what = std::any::type_name::<(E, H)>();
-    // A system that reads the time has it to a rounding: 200 of its radians.
-    let roundings = if H::READ_TIME { 200.0 } else { 10.0 };
+    // The road is a function of sin(10 t), whose argument has two roundings: of the time, and of the product.
+    let roundings = if H::READ_TIME { 2.0 * 10.0 * h * steps } else { 10.0 };
     assert!(worst.into_iter().all(|worst| worst <= roundings * f64::EPSILON), "{what}: {worst:?}");
 }
 
