@@ -5,7 +5,7 @@
 //! table. The bits are the same on every machine. Paths of systems with all elementary functions are in `fixtures/portable.rs`; `tests/wasm/test` compares
 //! those in WebAssembly.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first error")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, reason = "test systems")]
 
 #[allow(unreachable_pub, reason = "a module of several crates")]

@@ -24,7 +24,7 @@ struct Kept {
 fn divisors_cancel_and_stay_divisors() {
     let start = State::new([0.7], [0.4]);
     let (written, cancelled) = (Written { m: 1.3, k: 0.9 }, Cancelled { m: 1.3, k: 0.9 });
-    let (mut ours, mut plain) = (start.clone(), start.clone());
+    let (mut ours, mut plain) = (start, start);
     written.stepper::<Midpoint>(0.1).unwrap().step(&mut ours, &[]).unwrap();
     cancelled.stepper::<Midpoint>(0.1).unwrap().step(&mut plain, &[]).unwrap();
     // One formula, so the same bits.

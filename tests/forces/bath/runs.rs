@@ -46,7 +46,7 @@ fn energy_is_gained_as_heat() {
         Oscillator: Discretized<E>,
     {
         let (h, start) = (0.2 / f64::from(1 << halvings), State::new([0.3], [-0.4]));
-        let run = OSCILLATOR.simulate::<E>(h).start(start.clone()).noise(Wiener::seed(4));
+        let run = OSCILLATOR.simulate::<E>(h).start(start).noise(Wiener::seed(4));
         let path = run.until(20.0).run().expect("a path");
         let gained = OSCILLATOR.energy(path.last()) - OSCILLATOR.energy(&start);
         (gained - path.heat()).abs()

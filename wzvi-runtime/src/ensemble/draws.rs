@@ -127,6 +127,7 @@ mod tests {
         let mut processes = [[0.0; 16]; STEPS];
         normals_of_processes(&key, 0, (96, 3), &mut processes);
         assert_eq!(processes.map(|step| step[1]), wide.map(|step| step[0]));
+        #[expect(clippy::needless_range_loop, reason = "`first` is the number of a path, too")]
         for first in 0..32 {
             let mut one = [[0.0; 1]; STEPS];
             normals(&key, 96 + first as u64, 3, &mut one);

@@ -336,7 +336,6 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for GaussMemory<S
 mod tests {
     use super::GaussMemory;
     use crate::algebra::shape::Dynamic;
-    use crate::algebra::stages::Stages as _;
     use crate::ground::numbers::{Numbers as _, Tape};
 
     /// A memory that has no size before it is read knows the step whose derivatives it reads.
