@@ -36,6 +36,17 @@ const ROD: Rod = Rod { m: 1.0, g: 1.0, length: 1.0, centre: 0.0 };
 #[derive(Clone, Debug)]
 struct FourBars;
 
+/// A point on the unit circle, with its second coordinate in another unit.
+#[hamiltonian(
+    drift = |[_, _], [px, py]| 0.5 * (px * px + unit * unit * py * py),
+    constraint = [|[x, y]| x * x + (y / unit) * (y / unit) - 1.0],
+    embedding = Rattle,
+)]
+#[derive(Clone, Debug)]
+struct Circle {
+    unit: f64,
+}
+
 type Start<H> = State<<H as Hamiltonian>::Vector>;
 
 fn failure<T: std::fmt::Debug>(run: Result<T, Error>) -> StepFailure {
@@ -183,4 +194,22 @@ fn rest_is_kept() {
     let path = linkage.simulate::<Rattle>(0.1).start(start.clone()).project_start().steps(100).run().unwrap();
     assert_eq!(path.last().q, path.states()[0].q);
     assert!(path.last().p.iter().all(|p| *p == 0.0));
+}
+
+/// Whether a step is too long does not depend on the units of single coordinates.
+#[test]
+fn the_radius_of_curvature_has_no_unit() {
+    let share = |unit: f64| {
+        let ((s, c), v) = (0.7_f64.sin_cos(), 1.5);
+        let mut state = State::new([c, unit * s], [-v * s, v * c / unit]);
+        let circle = Circle { unit };
+        match circle.stepper::<Rattle>(1.0).unwrap().step(&mut state, &[]).unwrap_err().cause {
+            StepFailure::BeyondCurvature { constraint: 0, length, radius } => length / radius,
+            other => panic!("{other:?}"),
+        }
+    };
+    // The tangent of length 1.5 ends 2.25 above the circle: its radius is 1.
+    for unit in [1.0, 1e-4, 1e5] {
+        assert!((share(unit) - 1.5).abs() < 1e-13, "{}", share(unit));
+    }
 }

@@ -129,6 +129,17 @@ impl<'a, F: Constrained> GeneralPoint<'a, F> {
         [&self.q, &self.p]
     }
 
+    /// The diagonal of `∂²H_0/∂p²`.
+    pub(super) fn inverse_masses(&self) -> Vec<f64> {
+        let mut diagonal = vec![0.0; self.q.len()];
+        self.of.masses(&self.at(), |i, j, value| {
+            if i == j {
+                diagonal[i] += value;
+            }
+        });
+        diagonal
+    }
+
     /// The rates of the motion of `H_0` without constraints: `∂H_0/∂p`, and `-∂H_0/∂q + f`.
     pub(super) fn free_rates(&self) -> [Vec<f64>; 2] {
         let mut room = TangentRoom::default();

@@ -1,7 +1,7 @@
 //! The manifold of the constraints for users: the distance of a state from it, projections, the multipliers
 //! of the exact motion, and whether a step can end on it.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use super::evaluation::Multipliers;
 use super::flows::{ConstrainedFlows, largest_ratio};
@@ -305,15 +305,19 @@ impl<F: Constrained> Manifold for F {
         let at = ([t, 1.0], [q, p], &[][..]);
         let into = [&mut vec![0.0; q.len()][..], &mut velocity];
         field::<F, f64, true, true>((self, &[]), at, into, &mut PairColumns::default());
-        let number = Constrained::constraints(self);
-        let mut normals = ManifoldNormals::new(number, &velocity);
-        self.constrain(&EvaluationPoint::new([q, &[][..]], t, &[], &[]), &mut normals);
+        let w = inverse_masses(self, q, p, t);
+        let normals = ManifoldNormals::at(self, q, t);
         let end: Vec<f64> = q.iter().zip(&velocity).map(|(q, v)| q + h * v).collect();
-        let mut there = ManifoldNormals::new(number, &velocity);
-        self.constrain(&EvaluationPoint::new([&end[..], &[][..]], t + h, &[], &[]), &mut there);
-        let lengths = normals.constraints.iter().zip(&there.constraints).map(|(normal, there)| {
-            let square = h * h * normal.speed;
-            [square.sqrt(), 0.5 * square * normal.square.sqrt() / there.value.abs()]
+        let there = ManifoldNormals::at(self, &end, t + h);
+        let lengths = there.values.iter().enumerate().map(|(constraint, value)| {
+            let (mut speed, mut energy, mut normal) = (0.0, 0.0, 0.0);
+            for (coordinate, slope) in normals.of(constraint) {
+                let (v, w) = (velocity[coordinate], w[coordinate]);
+                (speed, energy, normal) = (speed + v * v, energy + v * v / w, normal + slope * slope * w);
+            }
+            // In the metric of the masses, coordinates may have different units.
+            let (length, share) = (h.abs() * speed.sqrt(), h.abs() * (energy * normal).sqrt());
+            [length, 0.5 * length * share / value.abs()]
         });
         let worst = lengths.enumerate().max_by(|(_, a), (_, b)| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));
         let (constraint, [length, radius]) = worst?;
@@ -370,40 +374,43 @@ fn impulse_rates<F: Constrained>(
     corrections.clone()
 }
 
-/// A constraint, its gradient, and the motion of the coordinates that it reads.
-#[derive(Clone, Copy, Debug, Default)]
-struct ManifoldNormal {
-    value: f64,
-    /// `|G|²`
-    square: f64,
-    /// The square of the velocity of the coordinates that it reads.
-    speed: f64,
-}
-
-/// Collects constraints with their gradients.
-struct ManifoldNormals<'a> {
-    constraints: Vec<ManifoldNormal>,
-    met: BTreeSet<[usize; 2]>,
-    velocity: &'a [f64],
-}
-
-impl<'a> ManifoldNormals<'a> {
-    fn new(constraints: usize, velocity: &'a [f64]) -> Self {
-        Self { constraints: vec![ManifoldNormal::default(); constraints], met: BTreeSet::new(), velocity }
+/// The diagonal of `∂²H_0/∂p²`.
+fn inverse_masses<F: Constrained>(system: &F, q: &[f64], p: &[f64], t: f64) -> Vec<f64> {
+    match F::HAS_SQUARES {
+        true => scratch_at(system, q, p, t).w.as_ref().to_vec(),
+        false => GeneralPoint::new(system, ManifoldPoint { q, p, t }).inverse_masses(),
     }
 }
 
-impl ConstraintRows<f64> for ManifoldNormals<'_> {
+/// The constraints at a point, and their slopes by the coordinates that they read.
+struct ManifoldNormals {
+    values: Vec<f64>,
+    /// By constraint and coordinate.
+    slopes: BTreeMap<[usize; 2], f64>,
+}
+
+impl ManifoldNormals {
+    fn at<F: Constrained>(system: &F, q: &[f64], t: f64) -> Self {
+        let values = vec![0.0; Constrained::constraints(system)];
+        let mut normals = Self { values, slopes: BTreeMap::new() };
+        system.constrain(&EvaluationPoint::new([q, &[][..]], t, &[], &[]), &mut normals);
+        normals
+    }
+
+    /// The coordinates that a constraint reads, and its slopes.
+    fn of(&self, constraint: usize) -> impl Iterator<Item = (usize, f64)> {
+        let places = [constraint, 0]..[constraint + 1, 0];
+        self.slopes.range(places).map(|(&[_, coordinate], &slope)| (coordinate, slope))
+    }
+}
+
+impl ConstraintRows<f64> for ManifoldNormals {
     fn value(&mut self, constraint: usize, value: f64) {
-        self.constraints[constraint].value += value;
+        self.values[constraint] += value;
     }
 
     fn slope(&mut self, constraint: usize, coordinate: usize, slope: f64) {
-        let (normal, v) = (&mut self.constraints[constraint], self.velocity[coordinate]);
-        normal.square += slope * slope;
-        if self.met.insert([constraint, coordinate]) {
-            normal.speed += v * v;
-        }
+        *self.slopes.entry([constraint, coordinate]).or_default() += slope;
     }
 
     fn rate(&mut self, _: usize, _: f64) {}
