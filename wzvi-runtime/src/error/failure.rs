@@ -60,7 +60,8 @@ pub enum StepFailure {
         constraint: usize,
         /// The way `h |v|` of the coordinates that it reads, in their units.
         length: f64,
-        /// The radius of curvature along this way, likewise: their ratio is taken in the metric of the masses.
+        /// The radius of curvature along this way, likewise: their ratio is taken in the metric of the
+        /// masses.
         radius: f64,
     },
     /// A constraint follows from the others at the state, or may follow from them within the step: its
