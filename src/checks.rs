@@ -79,6 +79,7 @@ impl<H: Hamiltonian> Scheme<H> for NoSteps {
     };
     type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = ();
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = PlainSum;
     type Sum<S: Scalar> = PlainSum;
 

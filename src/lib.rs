@@ -234,7 +234,7 @@ pub use wzvi_runtime::plot;
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::saving::table;
 pub use wzvi_runtime::scheme::{
-    bath, compose, constraints, dense, elements, embedding, modified, plan, system,
+    bath, clock, compose, constraints, dense, elements, embedding, modified, plan, system,
 };
 pub use wzvi_runtime::trajectory::Error;
 pub use wzvi_runtime::trajectory::{
@@ -272,6 +272,7 @@ pub mod prelude {
     pub use wzvi_runtime::noise::{StepNormals, Wiener, WongZakai};
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;
+    pub use wzvi_runtime::scheme::clock::Eps;
     pub use wzvi_runtime::scheme::constraints::Rotation;
     pub use wzvi_runtime::scheme::elements::Iteration;
     pub use wzvi_runtime::scheme::embedding::prelude::*;
@@ -312,6 +313,7 @@ pub mod __private {
     pub use wzvi_runtime::ground::variables::{Labels, Variables};
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::scheme::bath;
+    pub use wzvi_runtime::scheme::clock;
     pub use wzvi_runtime::scheme::compose;
     pub use wzvi_runtime::scheme::constraints;
     pub use wzvi_runtime::scheme::elements;

@@ -1,6 +1,7 @@
 //! Steps: systems, and the schemes that step them.
 
 pub mod bath;
+pub mod clock;
 pub mod compose;
 pub mod constraints;
 pub(crate) mod continuation;

@@ -86,6 +86,17 @@ pub enum StepFailure {
         /// The largest constraint that is left, relative to its terms.
         residual: f64,
     },
+    /// The [clock](crate::scheme::clock) of the system is not positive at the state.
+    ClockNotPositive {
+        /// Its value, in units of time.
+        value: f64,
+    },
+    /// The density of a [clock](crate::scheme::clock) would not stay positive: the clock changes by its own
+    /// size within a step.
+    ClockTooCoarse {
+        /// The density that came out, in units of 1/time.
+        density: f64,
+    },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
     /// The new state is not finite, and neither is a parameter of the system, the probable cause.
@@ -145,6 +156,11 @@ messages! { StepFailure:
     Self::Singular { pivot, scale } =>
         "the matrix of the step is singular (pivot {pivot:.1e} at scale {scale:.1e}), a pole of the scheme; \
          take a smaller step or truncate the increments";
+    Self::ClockNotPositive { value } =>
+        "the clock is {value:e} at the state, and a clock is positive: \
+         start elsewhere, or give the system a clock that is positive where the path goes";
+    Self::ClockTooCoarse { density } =>
+        "the clock changes by more than its size within a step (density {density:.1e}): take a smaller `Eps`";
     Self::NoSolution { reached } =>
         "the solution that continues the state could not be followed beyond {:.0} % of the step; \
          take a smaller step, or subdivide with `.retry(Retry::halving(n))`", 100.0 * reached;

@@ -7,7 +7,7 @@ use crate::ground::numbers::{Numbers, Tape, numbers};
 const BATH: u64 = 9;
 
 /// Words after all of them: failed lanes, another solution, too many unknowns, internal errors, infinite
-/// parameters, and energies.
+/// parameters, energies, constraints, and clocks.
 const LANES: u64 = u64::MAX;
 const OTHER: u64 = LANES - 1;
 const TOO_MANY: u64 = LANES - 2;
@@ -18,6 +18,8 @@ const UNDEFINED: u64 = LANES - 6;
 const OFF_MANIFOLD: u64 = LANES - 7;
 const DEPENDENT: u64 = LANES - 8;
 const NO_PROJECTION: u64 = LANES - 9;
+const CLOCK: u64 = LANES - 10;
+const COARSE: u64 = LANES - 11;
 /// Words before these, for the radius of curvature of each constraint.
 const BEYOND: u64 = LANES - (1 << 32);
 
@@ -56,6 +58,8 @@ impl StepFailure {
             Self::OffManifold { coordinates, momenta } => {
                 [OFF_MANIFOLD, coordinates.to_bits(), momenta.to_bits()]
             }
+            Self::ClockNotPositive { value } => [CLOCK, value.to_bits(), 0],
+            Self::ClockTooCoarse { density } => [COARSE, density.to_bits(), 0],
             Self::NonFinite => [4, 0, 0],
             // Here the name is lost.
             Self::Infinite { .. } => [INFINITE, 0, 0],
@@ -90,6 +94,8 @@ impl StepFailure {
             which if which <= BEYOND && which > BEYOND - (1 << 32) => {
                 Self::BeyondCurvature { constraint: (BEYOND - which) as usize, length: x, radius: y }
             }
+            CLOCK => Self::ClockNotPositive { value: x },
+            COARSE => Self::ClockTooCoarse { density: x },
             4 => Self::NonFinite,
             LANES if a != 0 => Self::Lanes(FailedLanes(a)),
             5 => Self::Increments { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
@@ -126,6 +132,8 @@ mod tests {
             StepFailure::UndefinedEnergy,
             StepFailure::OffManifold { coordinates: 0.1, momenta: 0.2 },
             StepFailure::Dependent { constraint: 7 },
+            StepFailure::ClockNotPositive { value: -0.5 },
+            StepFailure::ClockTooCoarse { density: f64::NEG_INFINITY },
             StepFailure::NoProjection { iterations: 50, residual: 0.5 },
             StepFailure::BeyondCurvature { constraint: 0, length: 2.0, radius: 1.0 },
             StepFailure::BeyondCurvature { constraint: 10_000, length: 2.0, radius: 1.0 },

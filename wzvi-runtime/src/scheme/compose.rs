@@ -37,6 +37,7 @@ pub(crate) mod tiled;
 
 use std::marker::PhantomData;
 
+pub(crate) use text::BoundedText;
 use text::{DRIFT_KICK, turns};
 
 use super::word::{Part, PartKind, Weighted, Word};

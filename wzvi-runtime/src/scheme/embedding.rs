@@ -12,6 +12,7 @@
 use std::marker::PhantomData;
 
 pub use crate::scheme::bath::{Baoab, GBaoab, GjI, Gjf, Obabo, Splitting, Thermostat};
+pub use crate::scheme::clock::{Clocked, Extended, Logarithmic};
 pub use crate::scheme::constraints::Rattle;
 pub use crate::scheme::gauss::Gauss;
 pub use crate::scheme::system::{OneStep, Own};
@@ -55,8 +56,9 @@ pub struct Uncorrected<E>(PhantomData<E>);
 /// The names that a program gets with the prelude.
 pub mod prelude {
     pub use super::{
-        Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
-        GBaoab, Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Own, Rattle, Splitting,
-        Srkn6, Suzuki4, SuzukiUmeno8, TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
+        Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Clocked, Composed, Corrected, DeltaMinus,
+        DeltaPlus, Extended, GBaoab, Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Logarithmic, Midpoint,
+        Mixed, Obabo, Own, Rattle, Splitting, Srkn6, Suzuki4, SuzukiUmeno8, TakahashiImada4, Thermostat,
+        Uncorrected, Verlet, Yoshida4, Yoshida6,
     };
 }

@@ -148,6 +148,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     };
     type Prepared<K: Constant> = GaussConstants<ConstantsIn<F::Parameters, K>, N, K>;
     type Memory<S: Scalar> = GaussMemory<S, F::Shape, F::Noises, N>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
 
@@ -161,6 +162,15 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
         h: K,
     ) -> Result<Self::Prepared<K>, ConfigError> {
         advance::prepare(system, lift, h)
+    }
+
+    fn resize<K: Constant>(
+        system: &F,
+        lift: LiftParameter<'_, K>,
+        prepared: &mut Self::Prepared<K>,
+        h: K,
+    ) -> Result<(), ConfigError> {
+        prepared.resize::<F>(system, lift, h)
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {

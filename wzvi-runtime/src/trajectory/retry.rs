@@ -473,6 +473,8 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Infinite { .. } => true,
         StepFailure::Unresolved { .. }
         | StepFailure::UndefinedEnergy
+        | StepFailure::ClockNotPositive { .. }
+        | StepFailure::ClockTooCoarse { .. }
         | StepFailure::OffManifold { .. }
         | StepFailure::NoProjection { .. }
         | StepFailure::Increments { .. }

@@ -182,6 +182,7 @@ impl<H: Discretized<E>, E> Scheme<Linearised<'_, H>> for WithDeviations<E> {
         ..Properties::of(&<Self as Scheme<Linearised<'_, H>>>::PLAN, 0)
     };
     type Prepared<K: Constant> = LinearisedConstants<PreparedOf<H, E>>;
+    type Unclocked = Self;
     type Memory<S: Scalar> = LinearisedMemory<MemoryOf<H, E, LinearisedNumber<S>>, S>;
     type CompensatedSum<S: Scalar> = PlainSum;
     type Sum<S: Scalar> = PlainSum;

@@ -72,6 +72,7 @@ impl<F: Constrained> Scheme<F> for GBaoab {
     };
     type Prepared<K: Constant> = ManifoldBathConstants<K>;
     type Memory<S: Scalar> = ManifoldBathMemory<S, F::Layout, F::Shape>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = PlainSum;
 

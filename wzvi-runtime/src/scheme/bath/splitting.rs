@@ -100,6 +100,7 @@ where
     /// The memory of the O parts, then the memory of the flows: the other way round a step of three degrees
     /// of freedom takes 4 % longer.
     type Memory<S: Scalar> = (part::BathMemory<S>, SplittingMemory<S, F::Shape>);
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = PlainSum;
 

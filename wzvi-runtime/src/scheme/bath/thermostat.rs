@@ -48,6 +48,7 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for ThermostatSteps<E> {
     type Prepared<K: Constant> = ThermostatConstants<PreparedOf<T, E, K>, K>;
     /// The memory of the inner step, with the state before the whole step, and that of the O parts.
     type Memory<S: Scalar> = (memory::CompositionMemory<S, MemoryOf<T, E, S>>, part::BathMemory<S>);
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::CompensatedSum<S>;
     type Sum<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Sum<S>;
 

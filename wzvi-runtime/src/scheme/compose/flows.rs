@@ -61,6 +61,7 @@ where
     type Prepared<K: Constant> =
         KickDriftConstants<ConstantsIn<F::Parameters, K>, ConstantsIn<F::Parameters, K::Lifted>>;
     type Memory<S: Scalar> = SplittingMemory<S, F::Shape>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = PlainSum;
 
@@ -80,6 +81,16 @@ where
         check_new(system)?;
         let along = SQUARES.then(|| system.parameters(&|number, value| lift(number, value).lifted()));
         Ok(KickDriftConstants { parameters: system.parameters(lift), along, word: W::word() })
+    }
+
+    /// The size of a step is no part of its data.
+    fn resize<K: Constant>(
+        _: &F,
+        _: LiftParameter<'_, K>,
+        _: &mut Self::Prepared<K>,
+        _: K,
+    ) -> Result<(), ConfigError> {
+        Ok(())
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {

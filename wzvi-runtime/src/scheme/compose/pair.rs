@@ -119,6 +119,7 @@ where
     };
     type Prepared<K: Constant> = PairConstants<PreparedOf<H, A, K>, PreparedOf<H, B, K>>;
     type Memory<S: Scalar> = CompositionMemory<S, (Vec<MemoryOf<H, A, S>>, Vec<MemoryOf<H, B, S>>)>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::CompensatedSum<S>;
     type Sum<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Sum<S>;
 

@@ -173,6 +173,7 @@ impl<F: Elements, E, T, W: Composes<E, T, Part = Summand>> Scheme<F>
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
     type Prepared<K: Constant> = SummandConstants<K>;
     type Memory<S: Scalar> = SplittingMemory<S, F::Shape>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = PlainSum;
 

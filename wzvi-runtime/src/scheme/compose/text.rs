@@ -75,12 +75,23 @@ const fn begins(bytes: &[u8], at: usize, text: &str) -> bool {
 
 /// A text of at most `N` bytes.
 #[derive(Clone, Copy, Debug)]
-struct BoundedText<const N: usize> {
+pub(crate) struct BoundedText<const N: usize> {
     bytes: [u8; N],
     length: usize,
 }
 
 impl<const N: usize> BoundedText<N> {
+    /// Texts one after the other, without those for which there is no room.
+    pub(crate) const fn joined(texts: &[&str]) -> Self {
+        let mut all = Self { bytes: [0; N], length: 0 };
+        let mut i = 0;
+        while i < texts.len() {
+            all.push(texts[i]);
+            i += 1;
+        }
+        all
+    }
+
     /// The text of a composition of this order of steps with the text `base`.
     const fn of(listing: &Listing, order: u32, base: &str) -> Self {
         let mut text = Self { bytes: [0; N], length: 0 };
@@ -167,7 +178,7 @@ impl<const N: usize> BoundedText<N> {
         }
     }
 
-    const fn as_str(&self) -> &str {
+    pub(crate) const fn as_str(&self) -> &str {
         match std::str::from_utf8(self.bytes.split_at(self.length).0) {
             Ok(text) => text,
             // Not reached: only whole texts are pushed.

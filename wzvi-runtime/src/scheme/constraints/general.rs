@@ -410,6 +410,7 @@ impl<F: Constrained> Scheme<F> for GeneralRattle {
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 1) };
     type Prepared<K: Constant> = GeneralRattleConstants<K>;
     type Memory<S: Scalar> = GeneralRattleMemory<S>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
 

@@ -95,6 +95,7 @@ where
     };
     type Prepared<K: Constant> = RattleConstants<K>;
     type Memory<S: Scalar> = ConstraintMemory<S, F::Layout, F::Shape>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
     type Sum<S: Scalar> = state_sum::CompensatedSum<S, F::Shape>;
 

@@ -64,6 +64,7 @@ where
     /// All parameters, where they have derivatives.
     type Prepared<K: Constant> = Vec<K>;
     type Memory<S: Scalar> = LoopMemory<S>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = CompensatedSum<S, Dynamic>;
     type Sum<S: Scalar> = PlainSum;
 

@@ -16,7 +16,7 @@ use crate::scheme::system::{Hamiltonian as _, Segment};
 /// compositions. NaN where the step has no solution.
 pub(super) fn value<F: Field, const N: usize>(
     system: &F,
-    GaussConstants { parameters, friction, common }: &GaussConstantsOf<F, f64, N>,
+    GaussConstants { parameters, friction, common, .. }: &GaussConstantsOf<F, f64, N>,
     segment: &Segment<F::Vector>,
     dw: &[f64],
 ) -> f64 {

@@ -7,7 +7,7 @@ use super::sweep::StepOutcome;
 use super::tableau::Tableau;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-use crate::algebra::scalar::{ComputesWith, Constant, ConstantsIn, Parameters, Scalar};
+use crate::algebra::scalar::{ComputesWith, Constant, Constants, ConstantsIn, Parameters, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state_sum::StateSum;
@@ -22,6 +22,38 @@ pub struct GaussConstants<P, const N: usize, K = f64> {
     pub(super) parameters: P,
     pub(super) friction: FrictionScaling<N, K>,
     pub(super) common: SharedConstants<N>,
+    /// The step size of the first lane.
+    h: f64,
+}
+
+impl<P, const N: usize, K: Constant> GaussConstants<P, N, K> {
+    /// Makes these constants those for steps of another size. The stages of the next step start from the
+    /// derivatives of a step of the size before.
+    ///
+    /// # Errors
+    /// The errors of a friction that is invalid.
+    pub(super) fn resize<F: Field>(
+        &mut self,
+        system: &F,
+        lift: LiftParameter<'_, K>,
+        h: K,
+    ) -> Result<(), ConfigError>
+    where
+        F::Parameters: Constants<In<K> = P>,
+    {
+        let size = h.lane(0);
+        self.common.table.extrapolate(size / self.h);
+        self.h = size;
+        if F::FACTS.kind.is_conformal {
+            let rate = system.friction_rate(&varied_without_lists(system, lift)?);
+            self.friction = FrictionScaling::new(rate, &self.common.table, h);
+        }
+        if F::IS_STIFF {
+            let parameters = F::Parameters::lane::<K>(&self.parameters, 0);
+            self.common.modes = StiffModes::new(system, &parameters, &self.common.table, size);
+        }
+        Ok(())
+    }
 }
 
 /// The constants that systems in lanes have in common.
@@ -89,7 +121,7 @@ pub(super) fn prepare<F: Field, K: Constant, const N: usize>(
     let friction = FrictionScaling::new(rate, &table, h);
     let instructions = InstructionSet::best();
     let common = SharedConstants { table, modes, instructions, of_stages: instructions.for_list(N) };
-    Ok(GaussConstants { parameters, friction, common })
+    Ok(GaussConstants { parameters, friction, common, h: h.lane(0) })
 }
 
 /// The constants of systems in lanes; `None` if friction or a stiff force makes them differ between systems.
@@ -100,9 +132,10 @@ pub(super) fn gather<F: Field, const L: usize, const N: usize>(
         return None;
     }
     let parameters = super::gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
-    let common = prepared.first()?.common.clone();
+    let GaussConstants { common, h, .. } = prepared.first()?;
+    let (common, h) = (common.clone(), *h);
     let none = FrictionScaling::new(Lanes::from_f64(0.0), common.table(), Lanes::from_f64(0.0));
-    Some(GaussConstants { parameters, friction: none, common })
+    Some(GaussConstants { parameters, friction: none, common, h })
 }
 
 /// The memory of a new stepper, allocated in full if the system knows its size.

@@ -35,6 +35,58 @@ pub(super) struct Tableau<const N: usize> {
     pub(super) kappa: [[f64; N]; N],
 }
 
+impl<const N: usize> Tableau<N> {
+    /// Makes `ν` and `κ` those for a next step that is `ratio` times as long as this one:
+    ///
+    /// ```text
+    /// ν_ij = ∫_1^{1 + r c_i} l_j / b_j,   κ_ij = (1/r) ∫_1^{1 + r c_i} (1 + r c_i - x) l_j(x) dx / b_j
+    /// ```
+    ///
+    /// in sums over Legendre polynomials, as the others. They are starting values, which nothing multiplies
+    /// to the last digit.
+    pub(super) fn extrapolate(&mut self, ratio: f64) {
+        // `P_k` at the nodes.
+        let at_nodes = self.c.map(|c| legendre_to::<N>(2.0 * c - 1.0).0);
+        for i in 0..N {
+            let (p, beyond) = legendre_to::<N>(2.0 * ratio * self.c[i] + 1.0);
+            let at = |k: usize| match k {
+                0 => 1.0,
+                k if k > N => beyond,
+                k => p[k - 1],
+            };
+            // `∫ P_k` from `x = 1`, where `P_{-1}` is the constant 1, as `P_0` is.
+            let once = |k: usize| (at(k + 1) - at(k.saturating_sub(1))) / (2.0 * (2.0 * k as f64 + 1.0));
+            for j in 0..N {
+                let (mut first, mut second) = (0.0, 0.0);
+                for k in 0..N {
+                    let weight = (2.0 * k as f64 + 1.0) * if k == 0 { 1.0 } else { at_nodes[j][k - 1] };
+                    let twice = match k {
+                        0 => once(0) * once(0) * 0.5,
+                        _ => (once(k + 1) - once(k - 1)) / (2.0 * (2.0 * k as f64 + 1.0)),
+                    };
+                    first += weight * once(k);
+                    second += weight * twice;
+                }
+                self.nu[j][i] = first;
+                self.kappa[j][i] = second / ratio;
+            }
+        }
+    }
+}
+
+/// `P_1(y) ... P_N(y)`, and `P_{N+1}(y)`.
+fn legendre_to<const N: usize>(y: f64) -> ([f64; N], f64) {
+    let (mut p, mut before, mut now) = ([0.0; N], 1.0, y);
+    let next = |k: usize, now: f64, before: f64| {
+        ((2.0 * k as f64 + 1.0) * y * now - k as f64 * before) / (k as f64 + 1.0)
+    };
+    for (k, entry) in p.iter_mut().enumerate() {
+        *entry = now;
+        (before, now) = (now, next(k + 1, now, before));
+    }
+    (p, now)
+}
+
 /// The coefficients for a number of stages known at run time only.
 struct Coefficients {
     c: Vec<f64>,
@@ -187,6 +239,36 @@ mod tests {
             }
         }
         assert!(compared > 1000);
+    }
+
+    /// Starting values for a step of the same size are those of the table, and for another one they integrate
+    /// polynomials exactly.
+    #[test]
+    fn starting_values_follow_the_size() {
+        let table = Tableau::<8>::get();
+        for ratio in [1.0, 0.7, 1.6] {
+            let mut other = table;
+            other.extrapolate(ratio);
+            for i in 0..8 {
+                // `∫_1^{1 + r c} x^4 dx` and its second integral, divided by `r`.
+                let end = 1.0 + ratio * table.c[i];
+                let once = (end.powi(5) - 1.0) / 5.0;
+                let twice = ((end.powi(6) - 1.0) / 30.0 - (end - 1.0) / 5.0) / ratio;
+                let sum = |of: &[[f64; 8]; 8]| -> f64 {
+                    (0..8).map(|j| of[j][i] * table.b[j] * table.c[j].powi(4)).sum()
+                };
+                // Entries reach 1e5 at the last node of the longest step.
+                assert!((sum(&other.nu) - once).abs() < 1e-10 * once, "{ratio}: {i}");
+                assert!((sum(&other.kappa) - twice).abs() < 1e-10 * twice, "{ratio}: {i}");
+                for j in (0..8).filter(|_| ratio == 1.0) {
+                    assert!((other.nu[j][i] - table.nu[j][i]).abs() < 1e-11 * table.nu[j][i].abs().max(1.0));
+                    assert!(
+                        (other.kappa[j][i] - table.kappa[j][i]).abs()
+                            < 1e-11 * table.kappa[j][i].abs().max(1.0)
+                    );
+                }
+            }
+        }
     }
 
     /// Checked in integers, without rounding.

@@ -176,6 +176,7 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
     /// All parameters, where they have derivatives.
     type Prepared<K: Constant> = Vec<K>;
     type Memory<S: Scalar> = Scratch<S>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = PlainSum;
     type Sum<S: Scalar> = PlainSum;
 

@@ -10,6 +10,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::state_sum::StateSum;
 use crate::error::{ConfigError, StepFailure, wrong};
+use crate::scheme::clock::ClockReading;
 use crate::scheme::dense::{RateCoefficients, hermite_order};
 use crate::scheme::elements::QuadraturePoint;
 use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan, Solver};
@@ -173,6 +174,9 @@ pub struct Properties {
     pub has_temperatures: bool,
     /// Whether steps follow from a discrete Lagrangian.
     pub is_variational: bool,
+    /// Whether steps follow a [clock](crate::scheme::clock): their size is then `eps`, and
+    /// [`Scheme::reading`] has the time.
+    pub is_clocked: bool,
     /// The poles of implicit steps in linear systems, if they are known and there are any.
     pub poles: Option<Poles>,
 }
@@ -202,6 +206,7 @@ impl Properties {
             exchanges: false,
             has_temperatures: false,
             is_variational: true,
+            is_clocked: false,
             poles: None,
         }
     }
@@ -226,6 +231,10 @@ pub trait Scheme<H: Hamiltonian> {
 
     /// The data that a step leaves for the next one, and scratch; of size zero where there are none.
     type Memory<S: Scalar>: StepMemory;
+
+    /// The scheme of steps over a given time: this one, unless its steps follow a
+    /// [clock](crate::scheme::clock). A single such step from a node gives states between nodes.
+    type Unclocked: Scheme<H>;
 
     /// Compensated sums of the state's increments:
     /// [`FixedCompensatedSum`](crate::algebra::state_sum::FixedCompensatedSum).
@@ -258,6 +267,27 @@ pub trait Scheme<H: Hamiltonian> {
         lift: LiftParameter<'_, K>,
         h: K,
     ) -> Result<Self::Prepared<K>, ConfigError>;
+
+    /// Makes the data of a system those for steps of another size.
+    ///
+    /// # Errors
+    /// The errors of [`Scheme::prepare`]; the data are then unchanged.
+    fn resize<K: Constant>(
+        system: &H,
+        lift: LiftParameter<'_, K>,
+        prepared: &mut Self::Prepared<K>,
+        h: K,
+    ) -> Result<(), ConfigError> {
+        *prepared = Self::prepare(system, lift, h)?;
+        Ok(())
+    }
+
+    /// The time after the last step recorded in `memory`, where [steps follow a
+    /// clock](Properties::is_clocked).
+    fn reading(memory: &Self::Memory<f64>) -> ClockReading {
+        let _ = memory;
+        ClockReading { t: f64::NAN, h: f64::NAN, density: f64::NAN }
+    }
 
     /// The prepared data of `L` systems for one step size, one system per lane; `None` if they do not run in
     /// lanes. If they do, so does any selection of them, with repetitions.

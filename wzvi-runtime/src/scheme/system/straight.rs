@@ -191,6 +191,7 @@ where
     const POINTS: Option<&'static [elements::QuadraturePoint]> = Some(H::QUADRATURE.stages);
     type Prepared<K: Constant> = ConstantsIn<H::Prepared, K>;
     type Memory<S: Scalar> = H::Memory<S>;
+    type Unclocked = Self;
     type CompensatedSum<S: Scalar> = FixedCompensatedSum<S, D>;
     type Sum<S: Scalar> = H::Sum<S>;
 
