@@ -238,7 +238,7 @@ pub use wzvi_runtime::scheme::{
 };
 pub use wzvi_runtime::trajectory::Error;
 pub use wzvi_runtime::trajectory::{
-    chaos, checkpoint, recorded as trajectory, retry, section, series, simulate, step,
+    chaos, checkpoint, events, recorded as trajectory, retry, section, series, simulate, step,
 };
 pub use wzvi_runtime::{increments, integrate};
 
@@ -279,8 +279,10 @@ pub mod prelude {
     pub use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scheme::system::{Discretized, Hamiltonian, SystemState};
     pub use wzvi_runtime::trajectory::checkpoint::Checkpoint;
+    pub use wzvi_runtime::trajectory::events::Terminal;
     pub use wzvi_runtime::trajectory::recorded::Trajectory;
     pub use wzvi_runtime::trajectory::retry::Retry;
+    pub use wzvi_runtime::trajectory::section::Direction;
     pub use wzvi_runtime::trajectory::step::Stepper;
 }
 

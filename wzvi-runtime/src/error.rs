@@ -63,6 +63,8 @@ messages! { StepError:
 pub enum ConfigError {
     /// The step size is zero, NaN or infinite.
     StepSize(f64),
+    /// The step of a clock is not a positive number.
+    Eps(f64),
     /// A small system indexes beyond the end of a `Vec`, or an entry of a list is NaN.
     Parameter,
     /// A field of the system is NaN.
@@ -139,6 +141,7 @@ pub enum ConfigError {
 }
 
 messages! { ConfigError:
+    Self::Eps(eps) => "`Eps({})`: the step of a clock is a positive number, 0.3 for example; a run goes backwards where its end is before its start", ShortestDecimal(*eps);
     Self::StepSize(h) => "the step size is {}; it must be finite and not zero", ShortestDecimal(*h);
     Self::Parameter =>
         "a Hamiltonian indexes beyond the end of a `Vec`, a parameter of the system is NaN, or what a step computes from parameters and its \

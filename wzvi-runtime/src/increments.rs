@@ -107,6 +107,24 @@ pub trait Noise {
         ))
     }
 
+    /// Writes the increments over the part `from` to `to`, as fractions, of a step whose size `h` is its own:
+    /// that of a run by a [clock](crate::scheme::clock). The step begins at `interval.start` and has the
+    /// number `interval.step`.
+    ///
+    /// By default those of its times. A source that numbers its steps takes the number.
+    ///
+    /// # Errors
+    /// The errors of [`Noise::increments_within`].
+    fn increments_of_own_size(
+        &mut self,
+        interval: &Interval,
+        h: f64,
+        part: [f64; 2],
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        self.increments_within(&Interval { start: interval.start, h, step: 0 }, h, part, dw)
+    }
+
     /// Whether [`Noise::increments`] also serves the halves of a step, their halves, and so on: intervals of
     /// size `h / 2^m` from the start of the run, numbered as steps of that size are. A run with
     /// [`Retry`](crate::trajectory::retry::Retry) needs that, and refuses other sources before its first
@@ -173,6 +191,16 @@ impl<N: Noise + ?Sized> Noise for &mut N {
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
         (**self).increments_within(interval, h, part, dw)
+    }
+
+    fn increments_of_own_size(
+        &mut self,
+        interval: &Interval,
+        h: f64,
+        part: [f64; 2],
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        (**self).increments_of_own_size(interval, h, part, dw)
     }
 
     fn is_divisible(&self) -> bool {

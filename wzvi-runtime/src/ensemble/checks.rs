@@ -23,6 +23,7 @@ use crate::statistics::{
 use crate::trajectory::Error;
 use crate::trajectory::exclusive_setting::SOME;
 use crate::trajectory::options::{Observables, elsewhere};
+use crate::trajectory::simulate::by_clock;
 use crate::trajectory::span::{NodeGrid, ONE_START};
 
 /// More recorded nodes than anyone looks at.
@@ -71,6 +72,9 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
     {
         let mut setup = self.setup;
         let (system, h, more) = (setup.system, setup.h, setup.more);
+        if H::PROPERTIES.is_clocked {
+            return Err(by_clock("ensemble").into());
+        }
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h).into());
         }

@@ -97,6 +97,14 @@ pub enum StepFailure {
         /// The density that came out, in units of 1/time.
         density: f64,
     },
+    /// An [event](crate::trajectory::events) happens again and again within one step, as the bounces of a
+    /// ball that comes to rest.
+    TooManyEvents {
+        /// The time of the last one.
+        t: f64,
+        /// How many happened in the step.
+        events: usize,
+    },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
     /// The new state is not finite, and neither is a parameter of the system, the probable cause.
@@ -161,6 +169,10 @@ messages! { StepFailure:
          start elsewhere, or give the system a clock that is positive where the path goes";
     Self::ClockTooCoarse { density } =>
         "the clock changes by more than its size within a step (density {density:.1e}): take a smaller `Eps`";
+    Self::TooManyEvents { t, events } =>
+        "events accumulate at t = {} ({events} in this step): infinitely many in finite time have no continuation; \
+         end the run with `Terminal` before that, or take a shorter step where they are only many",
+        crate::ground::digits::ShortestDecimal(*t);
     Self::NoSolution { reached } =>
         "the solution that continues the state could not be followed beyond {:.0} % of the step; \
          take a smaller step, or subdivide with `.retry(Retry::halving(n))`", 100.0 * reached;

@@ -20,6 +20,7 @@ const DEPENDENT: u64 = LANES - 8;
 const NO_PROJECTION: u64 = LANES - 9;
 const CLOCK: u64 = LANES - 10;
 const COARSE: u64 = LANES - 11;
+const EVENTS: u64 = LANES - 12;
 /// Words before these, for the radius of curvature of each constraint.
 const BEYOND: u64 = LANES - (1 << 32);
 
@@ -60,6 +61,7 @@ impl StepFailure {
             }
             Self::ClockNotPositive { value } => [CLOCK, value.to_bits(), 0],
             Self::ClockTooCoarse { density } => [COARSE, density.to_bits(), 0],
+            Self::TooManyEvents { t, events } => [EVENTS, t.to_bits(), events as u64],
             Self::NonFinite => [4, 0, 0],
             // Here the name is lost.
             Self::Infinite { .. } => [INFINITE, 0, 0],
@@ -96,6 +98,7 @@ impl StepFailure {
             }
             CLOCK => Self::ClockNotPositive { value: x },
             COARSE => Self::ClockTooCoarse { density: x },
+            EVENTS => Self::TooManyEvents { t: x, events: usize::try_from(b).ok()? },
             4 => Self::NonFinite,
             LANES if a != 0 => Self::Lanes(FailedLanes(a)),
             5 => Self::Increments { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
@@ -133,6 +136,7 @@ mod tests {
             StepFailure::OffManifold { coordinates: 0.1, momenta: 0.2 },
             StepFailure::Dependent { constraint: 7 },
             StepFailure::ClockNotPositive { value: -0.5 },
+            StepFailure::TooManyEvents { t: 0.5, events: 1000 },
             StepFailure::ClockTooCoarse { density: f64::NEG_INFINITY },
             StepFailure::NoProjection { iterations: 50, residual: 0.5 },
             StepFailure::BeyondCurvature { constraint: 0, length: 2.0, radius: 1.0 },

@@ -370,6 +370,25 @@ impl Noise for StepNormals {
         Ok(())
     }
 
+    /// By the number of the step alone, with the normals of steps of size one: `W(h θ) = √h W(θ)` in law.
+    fn increments_of_own_size(
+        &mut self,
+        interval: &Interval,
+        h: f64,
+        [from, to]: [f64; 2],
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        check_step(h)?;
+        self.truncation.check()?;
+        let step = interval.step.cast_signed();
+        self.whole(1.0, place(step), dw);
+        for (process, dw) in dw.iter_mut().enumerate() {
+            let part = self.until(*dw, process, 1.0, step, to) - self.until(*dw, process, 1.0, step, from);
+            *dw = h.abs().sqrt() * part;
+        }
+        Ok(())
+    }
+
     fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, start: f64) -> Result<(), NoiseError> {
         self.truncates = plan.truncates_increments();
         self.truncation.check()?;

@@ -23,7 +23,6 @@
 
 mod density;
 mod evaluation;
-#[cfg_attr(not(test), allow(dead_code))]
 mod side;
 mod text;
 
@@ -35,6 +34,7 @@ use crate::scheme::embedding::Midpoint;
 use crate::scheme::gauss::Gauss;
 
 pub use density::{ClockMemory, ClockMemoryOf, ClockedComposition, ClockedSteps};
+pub(crate) use side::SideStepper;
 
 /// The constant step of a clock, a fraction: steps take `eps Q` in time. It has no unit if `Q` is a time.
 #[derive(Clone, Copy, Debug, PartialEq)]

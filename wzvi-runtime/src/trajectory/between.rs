@@ -5,7 +5,7 @@ use crate::scheme::constraints::{Manifold, put_on};
 use crate::scheme::dense::DenseOutput;
 use crate::trajectory::recorded::Recorder;
 use crate::trajectory::recording::TimeInStep;
-use crate::trajectory::section::{SectionWatch, Sections};
+use crate::trajectory::section::{Crossing, SectionWatch, Sections};
 
 /// Looks into the steps of one path.
 pub(crate) struct BetweenNodes<'s, 'a, V> {
@@ -83,7 +83,18 @@ impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
 
     /// Looks into a step, or a part of it.
     pub(crate) fn search(&mut self, dense: &DenseOutput<V>, part: &StepPart<'_>, recorder: &mut Recorder<V>) {
-        let Self { sections, watch, room, manifold, .. } = self;
+        self.record_times(dense, part, recorder);
+        self.find_crossings(dense, recorder, &mut |_| {});
+    }
+
+    /// Records the times that are in a step, or in a part of it.
+    pub(crate) fn record_times(
+        &mut self,
+        dense: &DenseOutput<V>,
+        part: &StepPart<'_>,
+        recorder: &mut Recorder<V>,
+    ) {
+        let Self { room, manifold, .. } = self;
         while let Some(moment) = recorder.next_inside().filter(|moment| moment.step == part.step) {
             let theta = dense.fraction(moment.t);
             if theta > 1.0 && !part.is_last {
@@ -96,11 +107,27 @@ impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
             let later = |process: usize| part.later.get(process).copied().unwrap_or(0.0);
             recorder.keep_inside(room, |process| (1.0 - theta) * part.dw[process] + later(process));
         }
+    }
+
+    /// Finds the crossings in a step, or in a part of it; `refine` may put each on its section.
+    pub(crate) fn find_crossings(
+        &mut self,
+        dense: &DenseOutput<V>,
+        recorder: &mut Recorder<V>,
+        refine: &mut dyn FnMut(&mut Crossing<V>),
+    ) {
+        let Self { sections, watch, manifold, .. } = self;
         watch.follow(sections.functions(), dense, &mut |mut crossing| {
             if sections.want(&crossing) {
+                refine(&mut crossing);
                 put_on(*manifold, &mut crossing.state);
                 recorder.cross(crossing);
             }
         });
+    }
+
+    /// The function of a section.
+    pub(crate) fn sections(&self) -> &'s Sections<'a, V> {
+        self.sections
     }
 }

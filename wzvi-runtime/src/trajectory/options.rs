@@ -15,6 +15,7 @@ use crate::ground::handle::Handle;
 use crate::ground::progress::ProgressLine;
 use crate::scheme::system::Hamiltonian;
 use crate::trajectory::checkpoint::CheckpointSetting;
+use crate::trajectory::events::EventRules;
 use crate::trajectory::recording::RecordingRequest;
 use crate::trajectory::retry::Retry;
 use crate::trajectory::section::Sections;
@@ -99,6 +100,7 @@ pub(crate) struct RunSetup<'a, H: Hamiltonian, M = ()> {
     pub(crate) recorded: RecordingRequest,
     pub(crate) observables: Observables<'a, H::Vector>,
     pub(crate) sections: Sections<'a, H::Vector>,
+    pub(crate) events: EventRules<'a, H::Vector>,
     pub(crate) retry: Retry,
     pub(crate) is_watched: bool,
     pub(crate) execution: Execution<'a>,
@@ -115,6 +117,7 @@ impl<'a, H: Hamiltonian, M: Default> RunSetup<'a, H, M> {
             recorded: RecordingRequest::default(),
             observables: Observables::default(),
             sections: Sections::default(),
+            events: EventRules::default(),
             retry: Retry::never(),
             is_watched: true,
             execution: Execution::default(),
@@ -232,6 +235,44 @@ macro_rules! options {
             value: impl Fn(&crate::algebra::state::State<H::Vector>) -> f64 + Send + Sync + 'a,
         ) -> Self {
             self.setup.sections.push(Some(direction), value);
+            self
+        }
+    };
+    (@ events) => {
+        /// Acts on the path where `value`, a function of the state, is zero, in both directions
+        /// ([`crate::trajectory::events`]): `action` changes the state there, and the run goes on from it; an
+        /// action that returns [`Terminal`](crate::trajectory::events::Terminal) ends the run. May be called
+        /// more than once; events are numbered from 0, together with those of `on_towards` and `on_time`.
+        pub fn on<R: Into<crate::trajectory::events::AfterEvent>>(
+            mut self,
+            value: impl Fn(&crate::algebra::state::State<H::Vector>) -> f64 + Send + Sync + 'a,
+            action: impl Fn(&mut crate::algebra::state::State<H::Vector>) -> R + Send + Sync + 'a,
+        ) -> Self {
+            let place = crate::trajectory::events::EventPlace::Crossing(None, std::sync::Arc::new(value));
+            self.setup.events.push(place, action);
+            self
+        }
+
+        /// As `on`, for crossings in one direction.
+        pub fn on_towards<R: Into<crate::trajectory::events::AfterEvent>>(
+            mut self,
+            direction: crate::trajectory::section::Direction,
+            value: impl Fn(&crate::algebra::state::State<H::Vector>) -> f64 + Send + Sync + 'a,
+            action: impl Fn(&mut crate::algebra::state::State<H::Vector>) -> R + Send + Sync + 'a,
+        ) -> Self {
+            let place = crate::trajectory::events::EventPlace::Crossing(Some(direction), std::sync::Arc::new(value));
+            self.setup.events.push(place, action);
+            self
+        }
+
+        /// Acts on the path at the time `t` (time units of the Hamiltonian). A time before the start or after
+        /// the end has no event.
+        pub fn on_time<R: Into<crate::trajectory::events::AfterEvent>>(
+            mut self,
+            t: f64,
+            action: impl Fn(&mut crate::algebra::state::State<H::Vector>) -> R + Send + Sync + 'a,
+        ) -> Self {
+            self.setup.events.push(crate::trajectory::events::EventPlace::Time(t), action);
             self
         }
     };

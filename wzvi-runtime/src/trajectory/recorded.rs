@@ -19,6 +19,7 @@ use crate::ground::variables::Variables;
 use crate::saving::FileError;
 use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment, fits};
+use crate::trajectory::events::Event;
 use crate::trajectory::options::Observable;
 use crate::trajectory::section::Crossing;
 use crate::trajectory::step::{Exchanged, StepInfo};
@@ -98,6 +99,14 @@ struct Path<V> {
     observed: Vec<(String, Vec<f64>)>,
     #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
     crossings: Vec<Crossing<V>>,
+    #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
+    events: Vec<Event<V>>,
+    /// The steps of a clock that end at recorded nodes.
+    #[cfg_attr(feature = "serde", serde(default))]
+    intervals: Vec<ClockInterval>,
+    /// Whether a clock had the lengths of the steps; `h` is then its `eps`.
+    #[cfg_attr(feature = "serde", serde(default))]
+    is_clocked: bool,
     #[cfg_attr(feature = "serde", serde(default))]
     exchanged: Exchange,
     /// The heat of each degree of freedom, where they have temperatures of their own.
@@ -109,6 +118,25 @@ struct Path<V> {
     /// The change of the energy, if forces, friction or the time may change it.
     #[cfg_attr(feature = "serde", serde(default, with = "crate::ground::loose::option"))]
     gained: Option<f64>,
+}
+
+/// A step by a [clock](crate::scheme::clock).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ClockInterval {
+    /// Its start, in the time units of the Hamiltonian.
+    pub t: f64,
+    /// Its length, in the same units; negative in a backward run.
+    pub h: f64,
+    /// The density `ρ` of the clock at its start, in 1/time; NaN for schemes without one.
+    #[cfg_attr(feature = "serde", serde(with = "crate::ground::loose::number"))]
+    pub rho: f64,
+}
+
+impl ClockInterval {
+    pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
+        tape.numbers([&mut self.t, &mut self.h, &mut self.rho]);
+    }
 }
 
 impl<V: Clone, E> Clone for Trajectory<V, E> {
@@ -166,7 +194,8 @@ impl<V: Vector, E> Trajectory<V, E> {
     ///
     /// It is the `W` of Jarzynski's equality, `⟨e^{-W/kT}⟩ = e^{-ΔF/kT}`, which holds exactly at every step
     /// size with a [bath](crate::scheme::bath) at one constant temperature. It is 0 for a system without
-    /// bath, force, friction and explicit time in the drift.
+    /// bath, force, friction and explicit time in the drift, unless an [event](Trajectory::events) changed
+    /// the energy.
     pub fn work(&self) -> f64 {
         self.path.gained.map_or(0.0, |gained| gained - self.path.exchanged.heat)
     }
@@ -199,7 +228,7 @@ impl<V: Vector, E> Trajectory<V, E> {
         exchanged: &Exchanged,
     ) -> Self {
         let is_accounted = H::KIND.is_forced || H::KIND.is_conformal || H::PROPERTIES.exchanges;
-        let gained = (is_accounted || H::KIND.reads_time)
+        let gained = (is_accounted || H::KIND.reads_time || !self.path.events.is_empty())
             .then(|| system.energy(&self.path.last) - system.energy(start));
         let path = &mut self.path;
         (path.exchanged, path.is_accounted, path.gained) = (exchanged.all, is_accounted, gained);
@@ -220,6 +249,17 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// The crossings of the sections of the run, in the order of time: see [`crate::trajectory::section`].
     pub fn crossings(&self) -> &[Crossing<V>] {
         &self.path.crossings
+    }
+
+    /// The events of the run, in the order in which they happened: see [`crate::trajectory::events`].
+    pub fn events(&self) -> &[Event<V>] {
+        &self.path.events
+    }
+
+    /// The steps by a [clock](crate::scheme::clock) that ended at recorded nodes, in order: all steps where
+    /// every node is recorded. The last one ends the run at its time. Empty for constant steps.
+    pub fn intervals(&self) -> &[ClockInterval] {
+        &self.path.intervals
     }
 
     /// The values of the observable with this name
@@ -278,7 +318,7 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.iter().map(|state| state.t)
     }
 
-    /// The step size `h`, same units; negative for a backward run.
+    /// The step size `h`, same units; negative for a backward run. For a path by a clock, its `eps`.
     pub fn step_size(&self) -> f64 {
         self.path.h
     }
@@ -404,6 +444,9 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if other intervals differ.
     pub(crate) fn even(&self) -> Result<&[State<V>], PathError> {
         let Path { every, steps, states, chosen, shorter, .. } = &self.path;
+        if self.path.is_clocked {
+            return Err(self.uneven());
+        }
         let ends_short = shorter.is_some() || *every > 1 && steps % every != 0;
         match states.as_slice() {
             [] | [_] => Err(PathError::Empty),

@@ -21,7 +21,8 @@ impl RecordingRequest {
     /// before.
     pub(crate) fn checked(&self, default: u64, grid: &NodeGrid) -> Result<Recording, ConfigError> {
         let every = self.every.unwrap_or(if self.times.is_empty() { default } else { 0 });
-        let mut recording = Recording { every, times: self.times.clone(), ..Recording::default() };
+        let (times, is_clocked) = (self.times.clone(), grid.is_clocked);
+        let mut recording = Recording { every, times, is_clocked, ..Recording::default() };
         let mut before = f64::NAN;
         for &t in &self.times {
             let Some(place) = grid.place(t) else {
@@ -68,6 +69,8 @@ pub(crate) struct Recording {
     pub(crate) chosen: Vec<u64>,
     /// Inside steps, in order.
     pub(crate) between: Vec<TimeInStep>,
+    /// Whether the steps that these times are in are not known before.
+    pub(crate) is_clocked: bool,
 }
 
 impl Recording {

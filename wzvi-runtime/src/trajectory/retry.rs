@@ -18,11 +18,12 @@ use std::ops::Range;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::state_sum::StateSum;
-use crate::error::{ConfigError, StepError, StepFailure, wrong};
+use crate::error::{ConfigError, InternalError, StepError, StepFailure, wrong};
 use crate::increments::{Interval, Noise, NoiseError};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{Discretized, Hamiltonian, MemoryOf, SumOf};
 use crate::trajectory::Error;
+use crate::trajectory::following::Following;
 use crate::trajectory::span::NodeGrid;
 use crate::trajectory::step::{StepInfo, Stepper};
 use crate::trajectory::steps::{SinglePath, StepToTake};
@@ -61,6 +62,8 @@ enum StepDivision {
     Halved(u32),
     /// The last one, which is shorter, in `2^halvings` parts at least.
     Last(u32),
+    /// As they are, of a path in whose steps something may happen.
+    Followed,
 }
 
 fn stepper<'a, H: Discretized<E>, E, C: StateSum<f64>>(
@@ -87,6 +90,8 @@ pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = SumOf<H, E>> {
     pub(crate) stepper: Stepper<'a, H, E, C>,
     /// Increments of a part of a step.
     part: Vec<f64>,
+    /// What happens in steps, where something may.
+    pub(crate) following: Option<Box<Following<'a, H, E>>>,
 }
 
 /// Sees a part of a step: its stepper, its nodes, and its increments.
@@ -103,7 +108,25 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Subdivision<'a, H, E, C> {
     ) -> Result<Self, ConfigError> {
         let stepper = stepper(system, h, threads)?;
         let (way, watch) = (StepDivision::Whole, EnergyMonitor::of::<H, E>(is_watched, retry.most > 0));
-        Ok(Self { system, h, size: h, retry, is_watched, threads, way, watch, stepper, part: Vec::new() })
+        Ok(Self {
+            system,
+            h,
+            size: h,
+            retry,
+            is_watched,
+            threads,
+            way,
+            watch,
+            stepper,
+            part: Vec::new(),
+            following: None,
+        })
+    }
+
+    /// These steps, in which something may happen.
+    pub(crate) fn following(mut self, following: Following<'a, H, E>) -> Self {
+        (self.way, self.following) = (StepDivision::Followed, Some(Box::new(following)));
+        self
     }
 
     /// The subdivision of another run with the same settings.
@@ -139,11 +162,17 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Subdivision<'a, H, E, C> {
         Ok(may)
     }
 
+    /// Whether the run has come to its end in the last step, before that of its steps.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn is_over(&self) -> bool {
+        self.following.as_ref().is_some_and(|following| following.is_over)
+    }
+
     /// Halvings of every step of this run.
     fn base(&self) -> u32 {
         match self.way {
             StepDivision::Halved(halvings) | StepDivision::Last(halvings) => halvings,
-            StepDivision::Whole => 0,
+            StepDivision::Whole | StepDivision::Followed => 0,
         }
     }
 
@@ -156,8 +185,9 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Subdivision<'a, H, E, C> {
     pub(crate) fn resize(&mut self, size: f64) -> Result<(), ConfigError> {
         if size != self.size {
             let (exchanged, base) = (self.stepper.account().clone(), self.base());
-            (self.stepper, self.way, self.size) =
-                (self.stepper(part_of(size, base))?, StepDivision::Last(base), size);
+            let is_followed = self.way == StepDivision::Followed;
+            let way = if is_followed { StepDivision::Followed } else { StepDivision::Last(base) };
+            (self.stepper, self.way, self.size) = (self.stepper(part_of(size, base))?, way, size);
             self.stepper.set_exchanged(exchanged);
         }
         Ok(())
@@ -275,9 +305,10 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Subdivision<'a, H, E, C> {
     /// # Errors
     /// [`StepFailure::UndefinedEnergy`] of the last step.
     pub(crate) fn arrive(&self, state: &State<H::Vector>, grid: &NodeGrid) -> Result<(), StepError> {
-        let (step, h) = (grid.steps.saturating_sub(1), self.stepper.step_size());
+        let (step, h) = (grid.steps.saturating_sub(1), self.stepper.length());
         let arrived = self.watch.arrive::<H, E>(self.system, state);
-        arrived.map_err(|cause| StepError { step, t: grid.time(step), h, cause })
+        let t = if H::PROPERTIES.is_clocked { state.t - h } else { grid.time(step) };
+        arrived.map_err(|cause| StepError { step, t, h, cause })
     }
 
     /// The last step, which is shorter, in halves where it fails.
@@ -329,6 +360,26 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Subdivision<'a, H, E, C> {
         Ok(info)
     }
 
+    /// Takes a step in which something may happen.
+    #[cold]
+    fn followed<N: Noise>(&mut self, step: StepToTake<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+        let StepToTake { state, interval, noise, dw } = step;
+        let Self { system, h, size, watch, stepper, following: Some(following), .. } = self else {
+            return Err(InternalError::new("followed steps have what follows them", 0).into());
+        };
+        let (system, number, before) = (*system, interval.step, state.t);
+        let room = watch.looks_at(number).then(|| watch.begin::<H, E>(system, *h, state));
+        let step = StepToTake { state: &mut *state, interval, noise, dw };
+        let info = following.take(stepper, step, *size)?;
+        match room {
+            // The energy may have changed.
+            _ if !following.happened.is_empty() => watch.begin_anew(number),
+            Some(room) => watch.end::<H, E>(room, system, state.t - before, state, number)?,
+            None => {}
+        }
+        Ok(info)
+    }
+
     /// Takes a step, in parts where it has to be.
     ///
     /// # Errors
@@ -341,6 +392,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Subdivision<'a, H, E, C> {
         match self.way {
             StepDivision::Whole if self.watch.looks_at(step.interval.step) => self.watched(step),
             StepDivision::Whole => self.whole(step),
+            StepDivision::Followed => self.followed(step),
             StepDivision::Last(0) => self.last(step),
             StepDivision::Halved(halvings) | StepDivision::Last(halvings) => {
                 self.subdivide(step, halvings, self.watch.mean_motion())
@@ -475,6 +527,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::UndefinedEnergy
         | StepFailure::ClockNotPositive { .. }
         | StepFailure::ClockTooCoarse { .. }
+        | StepFailure::TooManyEvents { .. }
         | StepFailure::OffManifold { .. }
         | StepFailure::NoProjection { .. }
         | StepFailure::Increments { .. }

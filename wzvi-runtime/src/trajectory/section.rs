@@ -25,7 +25,8 @@ pub use crate::algebra::crossing::{Crossing, Direction};
 use crate::algebra::state::{State, Vector};
 use crate::scheme::dense::{DenseOutput, Samples};
 use crate::trajectory::options::{Functions, Observable};
-use root::{lowest, root};
+use root::lowest;
+pub(crate) use root::root;
 use side::{SignChange, SignSide, crossing_of_chord, sign};
 
 /// The fewest parts of a step at whose ends the function is evaluated.
@@ -92,6 +93,12 @@ impl<V: Vector> SectionWatch<V> {
     {
         self.sides.clear();
         self.sides.extend(functions.map(|value| SignSide::at(value(start))));
+    }
+
+    /// Puts the path on the sides that these values have.
+    pub(crate) fn set_sides(&mut self, values: &[f64]) {
+        self.sides.clear();
+        self.sides.extend(values.iter().map(|&value| SignSide::at(value)));
     }
 
     /// The crossings of a step, function by function, each in the order of time; the number of the function

@@ -6,7 +6,7 @@ mod run;
 mod tangent;
 
 pub use adjoint::Adjoint;
-pub(crate) use bare::StepsOnly;
+pub(crate) use bare::{StepsOnly, by_clock};
 pub(crate) use run::{OnePath, RunRecords, RunState};
 pub use tangent::Tangent;
 pub(crate) use tangent::{COLUMNS, Past, SharedStep, TangentColumns};
@@ -149,7 +149,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
 }
 
 impl<'a, H: Hamiltonian, E, N, O, S> Simulation<'a, H, E, N, O, S> {
-    options!(start, end, whole, record, observe, temperatures, section, watch, progress);
+    options!(start, end, whole, record, observe, temperatures, section, events, watch, progress);
 
     /// Observes a function of the system, too.
     fn observe_own(
@@ -235,6 +235,7 @@ impl<'a, H: Hamiltonian, E, N, O, S> Simulation<'a, H, E, N, O, S> {
         let asked = [
             (!times.is_empty(), "`record_at`"),
             (!self.setup.sections.is_empty(), "`section`"),
+            (!self.setup.events.is_empty(), "`on` and `on_time`"),
             (O::LOOKS, "`inspect`"),
         ];
         if let Some((_, what)) = asked.iter().find(|(is_asked, _)| *is_asked) {

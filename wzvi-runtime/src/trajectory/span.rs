@@ -65,6 +65,9 @@ pub(crate) struct NodeGrid {
     pub(crate) end: Option<f64>,
     /// The size of a last step that is shorter than the others.
     pub(crate) shorter: Option<f64>,
+    /// Whether a clock has the times of the nodes: `h` is its `eps`, with the sign of time, and the number of
+    /// steps is known at the end of the run.
+    pub(crate) is_clocked: bool,
 }
 
 /// The place of a time in a run.
@@ -86,14 +89,35 @@ const WHOLE_STEPS: &str = "`retry(...)` halves steps, and this noise has no incr
 impl NodeGrid {
     /// Steps of size `h` without more.
     pub(crate) fn of(start: f64, h: f64, steps: u64) -> Self {
-        Self { start, h, steps, end: None, shorter: None }
+        Self { start, h, steps, end: None, shorter: None, is_clocked: false }
     }
 
     /// Steps of size `h` up to a time.
     fn until(start: f64, end: f64, h: f64) -> Option<Self> {
         let (steps, is_node) = located(start, end, h)?;
         let rest = end - (start + (steps.saturating_sub(1)) as f64 * h);
-        Some(Self { start, h, steps, end: Some(end), shorter: (!is_node).then_some(rest) })
+        Some(Self { start, h, steps, end: Some(end), shorter: (!is_node).then_some(rest), is_clocked: false })
+    }
+
+    /// Steps of a clock, up to a time or so many.
+    fn by_clock(start: f64, end: RunEnd, eps: f64) -> Result<Self, ConfigError> {
+        // Also false for NaN.
+        if !(eps > 0.0 && eps.is_finite()) {
+            return Err(ConfigError::Eps(eps));
+        }
+        let grid = Self { start, h: eps, steps: MOST_STEPS, end: None, shorter: None, is_clocked: true };
+        match end {
+            RunEnd::Time(end) if end.is_finite() => {
+                Ok(Self { h: eps.copysign(end - start), end: Some(end), ..grid })
+            }
+            RunEnd::Time(end) => Err(ConfigError::End { start, end, h: eps }),
+            RunEnd::Steps(steps) => Ok(Self { steps: steps.min(MOST_STEPS), ..grid }),
+        }
+    }
+
+    /// The steps to make room for.
+    pub(crate) fn expected(&self) -> u64 {
+        if self.is_clocked { 0 } else { self.steps }
     }
 
     /// The first step.
@@ -185,6 +209,9 @@ impl NodeGrid {
 
     /// The place of a time; `None` outside of the run, and for NaN.
     pub(crate) fn place(&self, t: f64) -> Option<NodeOrInside> {
+        if self.is_clocked {
+            return self.place_by_clock(t);
+        }
         let (node, is_node) = located(self.start, t, self.h)?;
         if is_node && node <= self.whole() {
             return Some(NodeOrInside::Node(node));
@@ -201,6 +228,21 @@ impl NodeGrid {
             Some(_) if rest.abs() <= allowance => Some(NodeOrInside::Node(self.steps)),
             Some(_) if rest > 0.0 => Some(NodeOrInside::Inside(self.steps - 1)),
             _ => None,
+        }
+    }
+}
+
+impl NodeGrid {
+    /// The place of a time in a run whose nodes are not known: the start, the end, or inside of some step.
+    fn place_by_clock(&self, t: f64) -> Option<NodeOrInside> {
+        let after_start = (t - self.start) * self.h.signum();
+        let before_end = self.end.map_or(f64::INFINITY, |end| (end - t) * self.h.signum());
+        if after_start == 0.0 {
+            Some(NodeOrInside::Node(0))
+        } else if before_end == 0.0 {
+            Some(NodeOrInside::Node(self.steps))
+        } else {
+            (after_start > 0.0 && before_end > 0.0).then_some(NodeOrInside::Inside(MOST_STEPS))
         }
     }
 }
@@ -233,6 +275,15 @@ impl<V: Vector> RunSpan<V> {
         }
         let start = checked(system, self.start.checked(ONE_START)?, self.is_projected)?;
         let end = self.end.checked("a run has one end")?;
+        if H::PROPERTIES.is_clocked {
+            if self.is_whole {
+                return wrong(
+                    "`whole_steps` of a clock: a run by a clock ends at its time by a step of the scheme; leave it out",
+                );
+            }
+            let grid = NodeGrid::by_clock(start.t, end.ok_or(ConfigError::Missing(END))?, h)?;
+            return Ok((start, grid));
+        }
         let grid = grid(end, self.is_whole, start.t, h)?;
         if !grid.has_times() {
             return Err(ConfigError::End { start: start.t, end: grid.time(grid.steps), h });

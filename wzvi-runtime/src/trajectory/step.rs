@@ -11,6 +11,7 @@ use crate::algebra::short_list::ShortOrLong;
 use crate::algebra::state::{State, Vector, are_equal, copy, copy_state};
 use crate::algebra::state_sum::{PlainSum, StateSum};
 use crate::error::{ConfigError, StepError, StepFailure};
+use crate::scheme::clock::ClockReading;
 use crate::scheme::continuation::HardStep;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::plan::{NoiseClass, Solver};
@@ -143,7 +144,11 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// * [`ConfigError::Bath`] if friction, temperature or masses are invalid.
     pub fn new(system: &'a H, h: f64) -> Result<Self, ConfigError> {
         if !h.is_finite() || h == 0.0 {
-            return Err(ConfigError::StepSize(h));
+            return Err(if H::PROPERTIES.is_clocked {
+                ConfigError::Eps(h)
+            } else {
+                ConfigError::StepSize(h)
+            });
         }
         let (d, prepared) = (system.degrees(), prepared(system, h)?);
         let mut memory: MemoryOf<H, E, f64> = SchemeOf::<H, E>::memory(system);
@@ -309,7 +314,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         let Self { system, prepared, memory, carry, .. } = self;
         match SchemeOf::<H, E>::advance::<f64, f64, C, false>(system, prepared, at, memory, carry) {
             Ok(effort) => {
-                self.arrive(state, self.clock.next(self.h), dw);
+                self.arrive(state, self.after(self.clock), dw);
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
             }
             Err(cause) if !Self::IS_ITERATED => Err(self.error(state, dw, cause)),
@@ -331,8 +336,49 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         self.error(state, dw, cause)
     }
 
-    /// Whether the damped iteration can solve a step that the fast one does not.
-    const IS_ITERATED: bool = matches!(H::PLAN.solver, Solver::Newton);
+    /// Whether the damped iteration can solve a step that the fast one does not. Steps by a clock see to it
+    /// themselves.
+    const IS_ITERATED: bool = matches!(H::PLAN.solver, Solver::Newton) && !H::PROPERTIES.is_clocked;
+
+    /// A clock after the step that was just taken.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn after(&self, clock: StepClock) -> StepClock {
+        if H::PROPERTIES.is_clocked {
+            StepClock { ticks: clock.ticks + 1, now: SchemeOf::<H, E>::reading(&self.memory).t, ..clock }
+        } else {
+            clock.next(self.h)
+        }
+    }
+
+    /// The length in time of the next step of a state: NaN where a clock does not know it before.
+    ///
+    /// # Errors
+    /// The errors of a clock that is not positive there.
+    pub(crate) fn upcoming(&self, state: &State<H::Vector>) -> Result<f64, StepError> {
+        if !H::PROPERTIES.is_clocked {
+            return Ok(self.h);
+        }
+        let at_start;
+        // The memory of another state is no guide.
+        let memory = if state.t != self.clock.now || self.jumped(state) {
+            at_start = MemoryOf::<H, E, f64>::default();
+            &at_start
+        } else {
+            &self.memory
+        };
+        let length = SchemeOf::<H, E>::upcoming(self.system, &self.prepared, state, self.h, memory);
+        length.map_err(|cause| self.error(state, &[], cause))
+    }
+
+    /// What the clock of the scheme says after the last step.
+    pub(crate) fn reading(&self) -> ClockReading {
+        SchemeOf::<H, E>::reading(&self.memory)
+    }
+
+    /// The length in time of the step that was just taken.
+    pub(crate) fn length(&self) -> f64 {
+        if H::PROPERTIES.is_clocked { SchemeOf::<H, E>::reading(&self.memory).h } else { self.h }
+    }
 
     /// As [`Stepper::step`]; `dense` receives the path between the two nodes ([`crate::scheme::dense`]).
     /// Allocates nothing after the first step.
@@ -357,7 +403,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
 
     /// Fills the dense output of the last step, which led from one node to the other with these increments.
     pub(crate) fn fill(&self, nodes: [&State<H::Vector>; 2], dw: &[f64], dense: &mut DenseOutput<H::Vector>) {
-        dense.fill::<H, E>((self.system, &self.prepared, &self.memory), nodes, self.h, dw);
+        dense.fill::<H, E>((self.system, &self.prepared, &self.memory), nodes, self.length(), dw);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -401,7 +447,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
             let EnergyLedger { before, dense, .. } = &mut *ledger;
             self.fill([before, state], dw, dense);
         }
-        self.exchanged.all += ledger.exchanged::<H, E>(self.system, state, self.h, dw);
+        self.exchanged.all += ledger.exchanged::<H, E>(self.system, state, self.length(), dw);
         self.ledger = Some(ledger);
     }
 
@@ -409,9 +455,11 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn step_anew(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
         cold();
-        let is_moved = !self.clock.has_reached(state.t, self.h) || self.jumped(state);
+        // A clock has no other time than that of its last step, which the state would have.
+        let is_moved =
+            H::PROPERTIES.is_clocked || !self.clock.has_reached(state.t, self.h) || self.jumped(state);
         // If time cannot overflow from here, no step needs to check its own.
-        if is_moved && !(state.t.abs() + MOST_TICKS * self.h.abs()).is_finite() {
+        if is_moved && !H::PROPERTIES.is_clocked && !(state.t.abs() + MOST_TICKS * self.h.abs()).is_finite() {
             return Err(self.error(state, dw, StepFailure::NonFinite));
         }
         // With the room that it has; a copy of what it remembers comes back if the step fails.
@@ -434,7 +482,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
             Ok(effort) => {
                 self.before += self.clock.ticks;
                 (self.memory, self.carry) = (memory, carry);
-                self.arrive(state, clock.next(self.h), dw);
+                self.arrive(state, self.after(clock), dw);
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
             }
             Err(cause) => {
@@ -520,7 +568,15 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         cold();
         let is_good = zero == 0.0 || cause.is_of_arguments();
         let cause = if is_good { explained(self.system, cause) } else { StepFailure::NonFiniteInput };
-        StepError { step: self.steps(), t: state.t, h: self.h, cause }
+        let h = if H::PROPERTIES.is_clocked { self.length_of_refused(state) } else { self.h };
+        StepError { step: self.steps(), t: state.t, h, cause }
+    }
+
+    /// The length in time of a step by a clock that was refused: that of the clock there, where it is known.
+    #[cold]
+    fn length_of_refused(&self, state: &State<H::Vector>) -> f64 {
+        let (system, memory) = (self.system, &self.memory);
+        SchemeOf::<H, E>::upcoming(system, &self.prepared, state, self.h, memory).unwrap_or(f64::NAN)
     }
 }
 
@@ -534,7 +590,9 @@ pub(crate) const fn may_mislead<H: Discretized<E>, E>() -> bool {
 /// Whether steps without a guide are checked ([`HardStep::check`]). With noise no step has one, and none is
 /// checked.
 pub(crate) const fn checks_starts<H: Discretized<E>, E>() -> bool {
-    matches!(H::PLAN.solver, Solver::Newton) && matches!(H::PLAN.noise, NoiseClass::None)
+    matches!(H::PLAN.solver, Solver::Newton)
+        && matches!(H::PLAN.noise, NoiseClass::None)
+        && !H::PROPERTIES.is_clocked
 }
 
 /// The data that do not change from step to step, if the system is valid.

@@ -24,11 +24,19 @@ pub(crate) trait Advance {
     /// The next node, after this one, to look at. The last node of the run is looked at in any case.
     fn next_node(&self, node: u64) -> u64;
 
-    /// Looks at the node that was reached.
+    /// Looks at the node that was reached, and says whether the run goes on.
     ///
     /// # Errors
-    /// To end the run there.
-    fn at_node(&mut self, node: u64) -> Result<(), Error>;
+    /// To end the run there, before its end.
+    fn at_node(&mut self, node: u64) -> Result<Passage, Error>;
+}
+
+/// Whether a run goes on from a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Passage {
+    GoesOn,
+    /// The run is over: at the end that its clock has reached, or at an event.
+    Ends,
 }
 
 /// Takes the steps with these numbers, and looks at the nodes that are wanted.
@@ -47,7 +55,9 @@ pub(crate) fn take_steps<A: Advance>(run: &mut A, steps: Range<u64>) -> Result<(
                 break;
             }
         }
-        run.at_node(node)?;
+        if run.at_node(node)? == Passage::Ends {
+            break;
+        }
     }
     Ok(())
 }
@@ -115,8 +125,10 @@ mod tests {
         bad: Option<u64>,
         stride: u64,
         nodes: Vec<u64>,
-        /// Ends at this node.
+        /// Fails at this node.
         last: u64,
+        /// Is over at this node.
+        over: u64,
     }
 
     fn wrong(what: &str) -> Error {
@@ -136,17 +148,21 @@ mod tests {
             (node / self.stride + 1).saturating_mul(self.stride)
         }
 
-        fn at_node(&mut self, node: u64) -> Result<(), Error> {
+        fn at_node(&mut self, node: u64) -> Result<Passage, Error> {
             assert_eq!(self.steps.last(), Some(&(node - 1)));
             self.nodes.push(node);
-            if node == self.last { Err(wrong("node")) } else { Ok(()) }
+            match node {
+                _ if node == self.last => Err(wrong("node")),
+                _ if node == self.over => Ok(Passage::Ends),
+                _ => Ok(Passage::GoesOn),
+            }
         }
     }
 
     #[test]
     fn every_step_is_taken_once_and_every_wanted_node_seen() {
         let run = |steps: Range<u64>, stride, bad, last| {
-            let mut path = Seen { steps: vec![], bad, stride, nodes: vec![], last };
+            let mut path = Seen { steps: vec![], bad, stride, nodes: vec![], last, over: 98 };
             let outcome = take_steps(&mut path, steps);
             (path.steps, path.nodes, outcome)
         };
@@ -156,5 +172,6 @@ mod tests {
         assert_eq!(run(4..4, 1, None, 99), (vec![], vec![], Ok(())));
         assert_eq!(run(0..7, 2, Some(3), 99), (vec![0, 1, 2], vec![2], Err(wrong("step"))));
         assert_eq!(run(0..7, 2, None, 4), (vec![0, 1, 2, 3], vec![2, 4], Err(wrong("node"))));
+        assert_eq!(run(95..u64::MAX, 1, None, 99), (vec![95, 96, 97], vec![96, 97, 98], Ok(())));
     }
 }

@@ -8,7 +8,7 @@
 //! E_h = H                                   Midpoint, Gauss and their compositions (`KeptEnergy::Hamiltonian`)
 //! E_h = H - h²/8 H_q · H_pp H_q             kick, drift, kick (`KeptEnergy::KickDriftKick`)
 //! E_h = H + h (l - 1/2) H_q · H_p           one quadrature point l (`KeptEnergy::Point`)
-//! A   = mean of |(p_i + p_{i+1})/2 · Δq/h| so far
+//! A   = mean of |(p_i + p_{i+1})/2 · Δq/h| over the time so far
 //! W   = min over the nodes of the last eight looks of |E_h - E_h(0)| / A
 //! ```
 //!
@@ -73,6 +73,7 @@ const fn energy_watch<H: Discretized<E>, E>() -> EnergyWatch {
         // Not every jump between two tests is seen on the chord between them.
         EnergyWatch::Discontinuous => EnergyWatch::Never,
         watch if H::PROPERTIES.is_variational => watch,
+        watch if H::PROPERTIES.is_clocked => watch,
         _ => EnergyWatch::Never,
     }
 }
@@ -87,11 +88,15 @@ const fn may_jump<H: Discretized<E>, E>() -> bool {
     matches!(energy_watch::<H, E>(), EnergyWatch::Undecided)
 }
 
-/// The size of the motion so far, in units of energy: `|(p_i + p_{i+1})/2 · Δq/h|` over some steps.
+/// The size of the motion so far: the mean of `|(p_i + p_{i+1})/2 · Δq/h|` over some steps, each with the
+/// weight `h` of its length.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct MotionSize {
     steps: u64,
-    sum: f64,
+    /// `Σ |(p_i + p_{i+1})/2 · Δq|`
+    action: f64,
+    /// `Σ |h|`
+    time: f64,
 }
 
 impl MotionSize {
@@ -101,12 +106,13 @@ impl MotionSize {
         let momenta = before.p.components().iter().zip(after.p.components());
         let moved: f64 = momenta.zip(ends).map(|((p0, p1), (q0, q1))| (q1 - q0) * (p1 + p0)).sum();
         self.steps += 1;
-        self.sum += (0.5 / h * moved).abs();
+        self.action += 0.5 * moved.abs();
+        self.time += h.abs();
     }
 
     /// Its mean, if there is one.
     pub(crate) fn mean(self) -> Option<f64> {
-        (self.steps > 0).then(|| self.sum / self.steps as f64)
+        (self.steps > 0).then(|| self.action / self.time)
     }
 }
 
@@ -323,6 +329,25 @@ impl<V: Vector> EnergyMonitor<V> {
         }
     }
 
+    /// After an event in this step: the energy has another reference from the next step on.
+    pub(crate) fn begin_anew(&mut self, step: u64) {
+        if self.next != u64::MAX {
+            let (room, suspected, end) = (self.room.take(), self.suspected, self.end);
+            let Self { is_of_energy, is_sparing, follows_jumps, steps, .. } = *self;
+            *self = Self {
+                next: step + 1,
+                steps,
+                is_of_energy,
+                is_sparing,
+                end,
+                suspected,
+                follows_jumps,
+                room,
+                ..Self::default()
+            };
+        }
+    }
+
     /// At the end of a run.
     ///
     /// # Errors
@@ -445,7 +470,7 @@ impl<V: Vector> EnergyMonitor<V> {
     pub(crate) fn pass(&mut self, state: &State<V>, tape: &mut crate::ground::numbers::Tape) {
         let Self { next, suspected, band, motion, recent, follows_jumps, last, .. } = self;
         [next, &mut motion.steps, suspected].into_iter().for_each(|word| tape.word(word));
-        tape.number(&mut motion.sum);
+        tape.numbers([&mut motion.action, &mut motion.time]);
         tape.numbers(band);
         tape.numbers(recent);
         if *follows_jumps {

@@ -17,7 +17,7 @@ use super::{Clock, ClockReading, Clocked, SelfAdjoint, text};
 use crate::algebra::memory::{MemoryRequest, SolverReport, StepMemory};
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
-use crate::algebra::state::State;
+use crate::algebra::state::{State, Vector};
 use crate::algebra::state_sum::{FixedCompensatedSum, PlainSum, StateSum};
 use crate::error::{ConfigError, StepFailure, wrong};
 use crate::ground::numbers::{Numbers, Tape};
@@ -121,6 +121,19 @@ where
             let h = memory.reading.h;
             SchemeOf::<H, E>::slopes_between(system, (prepared, step), before, h, dw, slopes);
         }
+    }
+
+    fn upcoming(
+        system: &H,
+        parameters: &Self::Prepared<f64>,
+        state: &State<<H as Hamiltonian>::Vector>,
+        eps: f64,
+        memory: &Self::Memory<f64>,
+    ) -> Result<f64, StepFailure> {
+        let clock = ClockOf { system, parameters };
+        let (q, p) = (state.q.components(), state.p.components());
+        let ClockState { density, rate, .. } = memory.state(&clock, state.t, q, p)?;
+        Ok(eps / positive(density + eps * 0.5 * rate)?)
     }
 
     fn reading(memory: &Self::Memory<f64>) -> ClockReading {
@@ -286,7 +299,25 @@ where
     }
 }
 
-impl<N: Constant, M: StepMemory, P, C: StateSum<N>> ClockMemory<N, M, P, C> {
+impl<N: Constant<Constant = N>, M: StepMemory, P, C: StateSum<N>> ClockMemory<N, M, P, C> {
+    /// What the clock knows at a node: from the step before, or at a start.
+    ///
+    /// # Errors
+    /// [`StepFailure::ClockNotPositive`]
+    fn state<H: Clock>(
+        &self,
+        clock: &ClockOf<'_, H, N>,
+        t: N,
+        q: &[N],
+        p: &[N],
+    ) -> Result<ClockState<N>, StepFailure> {
+        if self.is_started && self.now.t.lane(0) == t.lane(0) {
+            return Ok(self.now);
+        }
+        let density = clock.period(t, q, p)?.recip();
+        Ok(ClockState { density, rate: clock.rate(t, q, p), t, lost: Scalar::from_f64(0.0) })
+    }
+
     /// Room for so many steps.
     fn fit(&mut self, steps: usize) {
         if self.steps.len() != steps {
@@ -332,12 +363,7 @@ where
         own.clear();
         own.extend(given.iter().map(|number| number.to_constant()));
     }
-    let mut now = memory.now;
-    if !memory.is_started || now.t.lane(0) != t.lane(0) {
-        let [q, p, _] = &memory.lists;
-        let density = clock.period(t, q, p)?.recip();
-        now = ClockState { density, rate: clock.rate(t, q, p), t, lost: Scalar::from_f64(0.0) };
-    }
+    let mut now = memory.state(clock, t, &memory.lists[0], &memory.lists[1])?;
     let (density, mut length, mut effort) = (now.density, 0.0, Effort::fast(0));
     memory.save();
     for (number, weight) in weights.enumerate() {

@@ -282,6 +282,22 @@ pub trait Scheme<H: Hamiltonian> {
         Ok(())
     }
 
+    /// The length in time of the next step by a [clock](Properties::is_clocked) from a state, where it is
+    /// known before the step; else NaN.
+    ///
+    /// # Errors
+    /// The errors of a clock that is not positive there.
+    fn upcoming(
+        system: &H,
+        prepared: &Self::Prepared<f64>,
+        state: &State<H::Vector>,
+        eps: f64,
+        memory: &Self::Memory<f64>,
+    ) -> Result<f64, StepFailure> {
+        let _ = (system, prepared, state, eps, memory);
+        Ok(f64::NAN)
+    }
+
     /// The time after the last step recorded in `memory`, where [steps follow a
     /// clock](Properties::is_clocked).
     fn reading(memory: &Self::Memory<f64>) -> ClockReading {

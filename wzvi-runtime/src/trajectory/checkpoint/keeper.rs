@@ -47,6 +47,11 @@ impl RunDescription {
         Self { settings: all, derived, start: Tape::write(|tape| start.pass(tape)), starts: Vec::new() }
     }
 
+    /// And with a setting.
+    pub(crate) fn add(&mut self, name: &str, value: &str) {
+        self.settings.push((name.to_owned(), value.to_owned()));
+    }
+
     /// And with these checksums of the states where paths start.
     pub(crate) fn starting(mut self, starts: Vec<u64>) -> Self {
         self.starts = starts;

@@ -26,11 +26,15 @@ impl CheckpointSetting {
         grid: &NodeGrid,
         retry: Retry,
         sections: &Sections<'_, H::Vector>,
+        events: &str,
     ) -> Result<CheckpointKeeper, Error> {
         if !self.is_set() {
             return Ok(CheckpointKeeper::default());
         }
-        let described = described(path, run, retry, sections)?;
+        let mut described = described(path, run, retry, sections)?;
+        if !events.is_empty() {
+            described.add("the events", events);
+        }
         let (extent, mut forces) =
             (RunExtent { kind: CheckpointKind::Path, all: grid.whole(), unit: 1 }, String::new());
         let keeper =
@@ -77,7 +81,7 @@ fn described<H: Discretized<E>, E, N: Noise, C: StateSum<f64>>(
 
 /// All that steps change; the checksum of energies and forces that goes with it.
 fn pass<H: Discretized<E>, E, C: StateSum<f64>>(
-    Subdivision { stepper, watch, .. }: &mut Subdivision<'_, H, E, C>,
+    Subdivision { stepper, watch, following, .. }: &mut Subdivision<'_, H, E, C>,
     state: &mut State<H::Vector>,
     run: &mut RunState<'_, '_, impl Observer<H::Vector>, H::Vector>,
     tape: &mut Tape,
@@ -90,6 +94,7 @@ fn pass<H: Discretized<E>, E, C: StateSum<f64>>(
     recorder.pass(tape);
     looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
     watch.pass(state, tape);
+    following.iter_mut().for_each(|following| following.pass(state, tape));
     observer.pass(tape);
     wiener.pass(tape);
     forces

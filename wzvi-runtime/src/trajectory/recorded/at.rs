@@ -8,14 +8,30 @@
 use super::Trajectory;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
-use crate::error::wrong;
+use crate::error::{StepError, wrong};
 use crate::increments::{Interval, NoNoise, Noise, NoiseError};
-use crate::scheme::system::{Discretized, SumOf, fits};
+use crate::scheme::clock::SideStepper;
+use crate::scheme::system::{Discretized, Scheme, SchemeOf, SumOf, fits};
 use crate::trajectory::Error;
-use crate::trajectory::recorded::PathError;
+use crate::trajectory::recorded::{ClockInterval, PathError};
 use crate::trajectory::retry::{Retry, Subdivision};
 use crate::trajectory::span::{NodeGrid, NodeOrInside};
 use crate::trajectory::steps::StepToTake;
+
+/// The message where the source of the increments is missing.
+const SOURCE: &str = "a state between two nodes of a path with noise needs the source of its increments again: \
+                      `path.at(&system).noise(source).state(t)`";
+
+/// The scheme of side steps.
+type Unclocked<H, E> = <SchemeOf<H, E> as Scheme<H>>::Unclocked;
+
+/// A step of a path, with the size that it has.
+struct StepOfPath {
+    interval: Interval,
+    h: f64,
+    /// Whether it follows a clock.
+    is_own: bool,
+}
 
 /// Asks a recorded path for its states: [`Trajectory::at`] begins it.
 #[derive(Debug)]
@@ -53,11 +69,27 @@ impl<V: Vector, E> Trajectory<V, E> {
         States { path: self, system, noise: None }
     }
 
+    /// The state from which the path goes on to the time `t` without an event: that of a node, or that after
+    /// the last event between.
+    fn after_events<'p>(&'p self, node: &'p State<V>, t: f64) -> &'p State<V> {
+        let sign = self.step_size().signum();
+        let is_between = |at: f64| sign * (at - node.t) > 0.0 && sign * (at - t) <= 0.0;
+        let last = self.events().iter().rev().find(|event| is_between(event.after.t));
+        last.map_or(node, |event| &event.after)
+    }
+
     /// The nodes of the run, recorded or not.
     fn grid(&self) -> NodeGrid {
         let path = &self.path;
         let start = path.states.first().map_or(f64::NAN, |state| state.t);
-        NodeGrid { start, h: path.h, steps: path.steps, end: Some(path.last.t), shorter: path.shorter }
+        NodeGrid {
+            start,
+            h: path.h,
+            steps: path.steps,
+            end: Some(path.last.t),
+            shorter: path.shorter,
+            is_clocked: false,
+        }
     }
 
     /// The index of a node among the recorded states.
@@ -101,6 +133,9 @@ impl<'p, H: Discretized<E>, E, N: Noise> States<'p, H, E, N> {
             let [path, system] = [(degrees, path.processes()), (system.degrees(), processes)];
             return Err(PathError::System { path, system }.into());
         }
+        if H::PROPERTIES.is_clocked {
+            return self.state_by_clock(t);
+        }
         let grid = path.grid();
         let place = grid.place(t);
         let outside = PathError::Outside { t, start: grid.start, end: path.last().t };
@@ -112,6 +147,10 @@ impl<'p, H: Discretized<E>, E, N: Noise> States<'p, H, E, N> {
             return Ok(state);
         }
         let (interval, size) = (Interval { step: node, ..grid.first() }, grid.size(node));
+        let from = path.after_events(&state, t);
+        if from.t != state.t {
+            return self.side_step(from, StepOfPath { interval, h: size, is_own: false }, t);
+        }
         let mut noise = self.inside(index, &interval, size)?;
         let halvings = Retry::halving(path.iterations().halvings);
         let mut step =
@@ -125,6 +164,58 @@ impl<'p, H: Discretized<E>, E, N: Noise> States<'p, H, E, N> {
 }
 
 impl<H: Discretized<E>, E, N: Noise> States<'_, H, E, N> {
+    /// The state at time `t` of a path by a clock: by a side step from the node before.
+    fn state_by_clock(&mut self, t: f64) -> Result<State<H::Vector>, Error> {
+        let path = self.path;
+        let (states, intervals, sign) = (path.states(), path.intervals(), path.step_size().signum());
+        let [start, end] = [states.first().map_or(f64::NAN, |state| state.t), path.last().t];
+        if !(sign * (t - start) >= 0.0 && sign * (end - t) >= 0.0) {
+            return Err(PathError::Outside { t, start, end }.into());
+        }
+        let unrecorded = || PathError::Unrecorded { t, every: path.stride() };
+        if intervals.len() as u64 != path.steps() {
+            return Err(unrecorded().into());
+        }
+        let step = intervals.partition_point(|interval| sign * (interval.t - t) <= 0.0).saturating_sub(1);
+        let Some(&ClockInterval { t: begin, h, .. }) = intervals.get(step) else {
+            return Ok(path.last().clone());
+        };
+        let node = states.iter().find(|state| state.t == begin).ok_or_else(unrecorded)?;
+        let interval = Interval { start: begin, h, step: step as u64 };
+        self.side_step(path.after_events(node, t), StepOfPath { interval, h, is_own: true }, t)
+    }
+
+    /// The state at time `t` by a side step from another state in the same step.
+    fn side_step(
+        &mut self,
+        from: &State<H::Vector>,
+        StepOfPath { interval, h, is_own }: StepOfPath,
+        t: f64,
+    ) -> Result<State<H::Vector>, Error> {
+        let (path, system) = (self.path, self.system);
+        let (mut at, mut dw) = (from.clone(), vec![0.0; path.processes()]);
+        if from.t == t {
+            return Ok(at);
+        }
+        if !dw.is_empty() {
+            let Some(noise) = &mut self.noise else { return wrong(SOURCE) };
+            let begin = if is_own { interval.start } else { interval.begin() };
+            let part = [from.t, t].map(|t| (t - begin) / h);
+            if is_own {
+                noise.prepare(&H::PLAN, path.step_size(), dw.len(), path.states()[0].t)?;
+                noise.increments_of_own_size(&interval, h, part, &mut dw)?;
+            } else {
+                noise.prepare(&H::PLAN, interval.h, dw.len(), interval.start)?;
+                noise.increments_within(&interval, h, part, &mut dw)?;
+            }
+        }
+        let (mut side, size) = (SideStepper::<H, Unclocked<H, E>>::default(), t - from.t);
+        let step = side.step(system, from, size, &dw, &mut at);
+        step.map_err(|cause| StepError { step: interval.step, t: from.t, h: size, cause })?;
+        at.t = t;
+        Ok(at)
+    }
+
     /// The noise inside of a step of this size from the recorded state `index` on; none of a system without
     /// noise.
     ///
@@ -142,10 +233,7 @@ impl<H: Discretized<E>, E, N: Noise> States<'_, H, E, N> {
             return Ok(None);
         }
         let Some(noise) = &mut self.noise else {
-            return wrong(
-                "a state between two nodes of a path with noise needs the source of its increments again: \
-                 `path.at(&system).noise(source).state(t)`",
-            );
+            return wrong(SOURCE);
         };
         noise.prepare(&H::PLAN, interval.h, dw.len(), interval.start)?;
         if size == interval.h {

@@ -9,6 +9,8 @@ use crate::algebra::compensated::CompensatedNumber;
 use crate::algebra::state::{State, Vector};
 use crate::error::ConfigError;
 use crate::scheme::system::Exchange;
+use crate::trajectory::events::Event;
+use crate::trajectory::recorded::ClockInterval;
 use crate::trajectory::recording::{Recording, TimeInStep};
 use crate::trajectory::section::Crossing;
 use crate::trajectory::span::NodeGrid;
@@ -65,6 +67,9 @@ impl<V: Vector> Recorder<V> {
             shorter: None,
             observed: Vec::new(),
             crossings: Vec::new(),
+            events: Vec::new(),
+            intervals: Vec::new(),
+            is_clocked: recording.is_clocked,
             exchanged: Exchange::default(),
             heats: Vec::new(),
             is_accounted: false,
@@ -132,6 +137,18 @@ impl<V: Vector> Recorder<V> {
             sum.add(rest);
         }
         self.inside += 1;
+    }
+
+    /// Keeps an event.
+    pub(crate) fn happen(&mut self, event: Event<V>) {
+        self.path.events.push(event);
+    }
+
+    /// Keeps the step by a clock that ended at the node just reached, if that is recorded.
+    pub(crate) fn keep_interval(&mut self, interval: ClockInterval) {
+        if self.path.steps == self.next || self.path.steps == self.kept {
+            self.path.intervals.push(interval);
+        }
     }
 
     /// Keeps a crossing.

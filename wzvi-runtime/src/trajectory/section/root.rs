@@ -14,7 +14,7 @@ const GOLDEN: f64 = 0.381_966_011_250_105_1;
 /// By the method ITP, which is as fast as the secant method and never takes more steps than one more than
 /// bisection (I. F. D. Oliveira, R. H. C. Takahashi, "An enhancement of the bisection method average
 /// performance preserving minmax optimality", ACM Trans. Math. Softw. 47, 2020).
-pub(super) fn root(
+pub(crate) fn root(
     [mut a, mut b]: [f64; 2],
     [mut at_a, mut at_b]: [f64; 2],
     mut f: impl FnMut(f64) -> f64,

@@ -5,7 +5,7 @@ use std::fmt;
 use super::BatchMeans;
 use super::tally::{Averaged, NamedTargets, Tally};
 use crate::algebra::state::State;
-use crate::error::UnknownName;
+use crate::error::{UnknownName, wrong};
 use crate::ground::digits::estimate;
 use crate::increments::Noise;
 use crate::saving::FileError;
@@ -185,6 +185,12 @@ where
     /// checkpoint that cannot be written or resumed.
     pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
         let Self { simulation, discarded, targets, stop } = self;
+        if H::PROPERTIES.is_clocked {
+            return wrong(
+                "`time_averages` of a path by a clock, whose steps have no common length: record it at equal times, \
+                 `.record_at(times)`, and average what is observed there",
+            );
+        }
         let (simulation, averaged) = simulation.without_path()?;
         let Averaged { h, stride, .. } = averaged;
         let run = simulation.observed_by(Tally::new(averaged, discarded, &targets)?);

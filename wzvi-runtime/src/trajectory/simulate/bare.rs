@@ -4,7 +4,7 @@ use super::{Simulation, Summation, Unobserved};
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::state_sum::StateSum;
-use crate::error::StoppedError;
+use crate::error::{ConfigError, StoppedError};
 use crate::ground::progress::StepsShown;
 use crate::increments::Noise;
 use crate::scheme::poles;
@@ -44,6 +44,9 @@ where
     /// for.
     pub(crate) fn bare(self, what: &str, may_stop: bool) -> Result<StepsOnly<'a, H, E, N, S::Sum>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
+        if H::PROPERTIES.is_clocked {
+            return Err(by_clock(what).into());
+        }
         let used: &[_] = if may_stop { &[Unwatched, Handle, StopWhen] } else { &[Unwatched] };
         MadeSetting::refuse(what, setup.made(), used)?;
         let RunSetup { system, h, span, retry, is_watched, execution, .. } = setup;
@@ -58,6 +61,14 @@ where
         let execution = Execution { is_quiet: execution.is_quiet || !may_stop, ..execution };
         Ok(StepsOnly { system, h, start, whole, grid, noise, execution, runs: 1, done: 0 })
     }
+}
+
+/// The refusal of a method that takes constant steps.
+pub(crate) fn by_clock(what: &str) -> ConfigError {
+    ConfigError::Setting(format!(
+        "`{what}` of a scheme with a clock: it takes constant steps; run the scheme inside of `Clocked` in steps of a size, \
+         with `retry` where they are long"
+    ))
 }
 
 impl<'a, H: Discretized<E>, E, N: Noise, C: StateSum<f64>> StepsOnly<'a, H, E, N, C> {

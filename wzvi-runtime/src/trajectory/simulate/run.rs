@@ -14,12 +14,13 @@ use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::trajectory::Error;
 use crate::trajectory::between::{BetweenNodes, StepPart};
 use crate::trajectory::checkpoint::CheckpointKeeper;
+use crate::trajectory::following::{Following, StepLook};
 use crate::trajectory::options::{Execution, RunSetup};
-use crate::trajectory::recorded::Recorder;
+use crate::trajectory::recorded::{ClockInterval, Recorder};
 use crate::trajectory::retry::Subdivision;
 use crate::trajectory::span::NodeGrid;
 use crate::trajectory::step::StepInfo;
-use crate::trajectory::steps::{Advance, SinglePath, take_steps};
+use crate::trajectory::steps::{Advance, Passage, SinglePath, take_steps};
 
 impl<H, E, N, O, S> Simulation<'_, H, E, N, O, S>
 where
@@ -35,14 +36,30 @@ where
         stop: Option<&dyn Fn() -> bool>,
     ) -> Result<(Partial<H::Vector, E>, O), Error> {
         let Self { setup, noise, observer, .. } = self;
-        let RunSetup { system, h, sections, retry, keeping, .. } = setup;
+        let RunSetup { system, h, sections, events, retry, keeping, .. } = setup;
         let Execution { threads, is_quiet, handle, stop: asked, .. } = setup.execution;
         let (names, functions) = setup.observables.checked("observables")?;
         let threads = Threads::asked(threads)?;
-        let mut stepper = Subdivision::<H, E, S::Sum>::new(system, h, retry, setup.is_watched, threads)?;
+        let is_followed = H::PROPERTIES.is_clocked || !events.is_empty();
+        if is_followed && retry.most() > 0 {
+            return wrong(match H::PROPERTIES.is_clocked {
+                true => {
+                    "`retry` of a scheme with a clock, whose steps follow the motion already: take a smaller `Eps`"
+                }
+                false => "`retry` with `on` or `on_time`: an event divides its step; take a smaller step",
+            });
+        }
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
+        // The sign of time in a run by a clock.
+        let h = grid.h;
+        let mut stepper = Subdivision::<H, E, S::Sum>::new(system, h, retry, setup.is_watched, threads)?;
+        let described = events.in_words();
+        if is_followed {
+            stepper = stepper.following(Following::new(system, events, &start, h.signum(), grid.end));
+        }
         stepper.watch.ends_after(grid.whole());
         let recording = setup.recorded.checked(1, &grid)?;
+        let described = described.as_str();
         let processes = system.increments(start.q.components().len());
         let mut noise = grid.prepared(noise, &H::PLAN, processes, retry)?;
         if let Some(noise) = &noise {
@@ -51,7 +68,7 @@ where
         let looks_inside = !sections.is_empty() || !recording.between.is_empty();
         let between =
             || looks_inside.then(|| Box::new(BetweenNodes::new(&sections, &start, system.manifold())));
-        let records = || Recorder::new(&start, h, processes, &recording, grid.steps);
+        let records = || Recorder::new(&start, h, processes, &recording, grid.expected());
         let is_shown = O::LOOKS && !O::AVERAGES;
         let has_sums = is_shown || keeping.is_set() || looks_inside;
         let account = RunRecords::new(records()?, processes, has_sums);
@@ -64,7 +81,7 @@ where
             first: grid.first(),
         };
         let mut run = RunState { observer, account, looks: between() };
-        let keeper = keeping.open_path(&mut path, &mut run, &grid, retry, &sections)?;
+        let keeper = keeping.open_path(&mut path, &mut run, &grid, retry, &sections, described)?;
         let mut first = keeper.first();
         if let Some(looks) = &mut run.looks {
             looks.arrive(first, path.state);
@@ -84,6 +101,7 @@ where
                 break None;
             }
             if first == 0 {
+                nodes.begin(&mut path);
                 nodes.run.show(path.state, 0, path.dw);
             }
             let all = take_all(&mut path, first, &mut nodes);
@@ -131,6 +149,9 @@ where
     for (numbers, size) in grid.from(first) {
         path.stepper.resize(size)?;
         take_steps(&mut (&mut *path, &mut *nodes), numbers)?;
+        if path.stepper.is_over() {
+            break;
+        }
     }
     Ok(())
 }
@@ -196,6 +217,45 @@ impl<V: Vector, O: Observer<V>> NodeHandler<'_, '_, '_, O, V> {
         self.keeper.next_node().min(self.shown.next_node())
     }
 
+    /// Acts on the start, where there are events at its time.
+    fn begin<H, E, N, C>(&mut self, path: &mut OnePath<'_, '_, H, E, N, C>)
+    where
+        H: Discretized<E, Vector = V>,
+        C: StateSum<f64>,
+    {
+        if let Some(following) = &mut path.stepper.following {
+            following.begin(path.state);
+            let recorder = &mut self.run.account.recorder;
+            following.happened.drain(..).for_each(|event| recorder.happen(event));
+        }
+    }
+
+    /// Keeps what happened in the step that ended at a node; whether the run is over there.
+    #[cold]
+    fn follow<H, E, N, C>(&mut self, path: &mut OnePath<'_, '_, H, E, N, C>, node: u64)
+    where
+        H: Discretized<E, Vector = V>,
+        C: StateSum<f64>,
+    {
+        let Some(following) = &mut path.stepper.following else { return };
+        let (recorder, t) = (&mut self.run.account.recorder, path.state.t);
+        let length = t - following.before().t;
+        if H::PROPERTIES.is_clocked {
+            let reading = path.stepper.stepper.reading();
+            recorder.keep_interval(ClockInterval {
+                t: following.before().t,
+                h: length,
+                rho: reading.density,
+            });
+        }
+        following.happened.drain(..).for_each(|event| recorder.happen(event));
+        if following.is_over {
+            (self.grid.steps, self.grid.end) = (node, Some(t));
+            let is_shorter = !H::PROPERTIES.is_clocked && length != path.stepper.size();
+            self.grid.shorter = self.grid.shorter.filter(|_| !is_shorter).or(is_shorter.then_some(length));
+        }
+    }
+
     /// Shows the end of the run to the observer, at its time. Averages see it as any node, since a run may go
     /// on from there, and only where all steps are whole.
     #[cold]
@@ -226,6 +286,12 @@ impl<V: Vector, O: Observer<V>> NodeHandler<'_, '_, '_, O, V> {
         };
         let SinglePath { stepper, state, noise, dw, first } = path;
         let (step, [_, halvings], recorder) = (node - 1, account.last, &mut account.recorder);
+        let Subdivision { stepper: taken, following, .. } = &mut **stepper;
+        if let Some(following) = following {
+            following.look(taken, StepLook { number: step, noise, dw }, looks, recorder)?;
+            looks.arrive(node, state);
+            return Ok(());
+        }
         if looks.wants(node, recorder.next_inside()) {
             if halvings == 0 {
                 stepper.stepper.fill([&looks.before, state], dw, dense);
@@ -267,14 +333,20 @@ where
         let NodeHandler {
             run: RunState { observer, account: RunRecords { recorder, .. }, looks }, due, ..
         } = &*self.1;
+        if self.0.stepper.following.is_some() {
+            return node + 1;
+        }
         let shown = if O::LOOKS && recorder.shows_all() { observer.next(node) } else { recorder.next_node() };
         let inside = looks.as_ref().map_or(u64::MAX, |looks| looks.next_node(node, recorder.next_inside()));
         shown.min(*due).min(inside)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn at_node(&mut self, node: u64) -> Result<(), Error> {
+    fn at_node(&mut self, node: u64) -> Result<Passage, Error> {
         let (path, nodes) = self;
+        if path.stepper.following.is_some() {
+            nodes.follow(path, node);
+        }
         let NodeGrid { steps: all, end, shorter, .. } = nodes.grid;
         if node == all && shorter.is_some() {
             path.state.t = end.unwrap_or(path.state.t);
@@ -302,7 +374,7 @@ where
             }
             nodes.due = nodes.next_due();
         }
-        Ok(())
+        Ok(if path.stepper.is_over() { Passage::Ends } else { Passage::GoesOn })
     }
 }
 

@@ -3,7 +3,8 @@
 use super::Recorder;
 use crate::algebra::state::{State, Vector};
 use crate::ground::numbers::{Numbers, Tape};
-use crate::trajectory::recorded::{Iterations, Path};
+use crate::trajectory::events::Event;
+use crate::trajectory::recorded::{ClockInterval, Iterations, Path};
 use crate::trajectory::recording::Recording;
 use crate::trajectory::section::Crossing;
 
@@ -24,6 +25,9 @@ impl<V: Vector> Recorder<V> {
             shorter: _,
             observed: _,
             crossings: _,
+            events,
+            intervals,
+            is_clocked,
             exchanged: _,
             heats: _,
             is_accounted: _,
@@ -44,9 +48,18 @@ impl<V: Vector> Recorder<V> {
         // The start is always there.
         let Some(start) = states.first().cloned() else { return };
         let nodes = tape.length(states.len() - 1);
-        if nodes as u64 != recording.nodes(*steps) {
+        if *is_clocked {
+            // The steps that times are in follow from no number.
+            *inside = tape.length(*inside);
+            let known = tape.length(intervals.len());
+            intervals.resize(known, ClockInterval::default());
+            intervals.iter_mut().for_each(|interval| interval.pass(tape));
+        } else if nodes as u64 != recording.nodes(*steps) {
             return tape.refuse();
         }
+        let happened = tape.length(events.len());
+        events.resize_with(happened, || Event::like(&start));
+        events.iter_mut().for_each(|event| event.pass(tape));
         states.resize(nodes + 1, start);
         states.iter_mut().skip(1).for_each(|state| state.pass(tape));
         increments.resize(nodes * *processes, 0.0);

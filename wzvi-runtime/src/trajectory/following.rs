@@ -1,0 +1,615 @@
+//! Steps in which something may happen: the end of a run by a clock, and events.
+//!
+//! A step goes from the node before it to the next one. What happens inside divides it into parts, each by a
+//! [side step](crate::scheme::clock) of its own.
+
+use crate::algebra::state::{State, Vector, copy_state};
+use crate::algebra::state_sum::StateSum;
+use crate::error::{StepError, StepFailure};
+use crate::increments::{Interval, Noise};
+use crate::scheme::clock::SideStepper;
+use crate::scheme::dense::DenseOutput;
+use crate::scheme::system::{Discretized, Scheme, SchemeOf};
+use crate::trajectory::Error;
+use crate::trajectory::between::{BetweenNodes, StepPart};
+use crate::trajectory::events::{AfterEvent, Event, EventRules};
+use crate::trajectory::recorded::Recorder;
+use crate::trajectory::section::{Crossing, Direction, SectionWatch, root};
+use crate::trajectory::step::{StepInfo, Stepper};
+use crate::trajectory::steps::StepToTake;
+
+/// The most events in one step.
+const MOST_EVENTS: usize = 1000;
+/// The most corrections of the length of a side step that ends at a crossing: the polynomial of the step is
+/// near, and the secant method gains more digits each time.
+const MOST_CORRECTIONS: u32 = 12;
+
+/// The side steps of a scheme.
+type SideStepsOf<H, E> = SideStepper<H, <SchemeOf<H, E> as Scheme<H>>::Unclocked>;
+
+/// The noise of a step of any size, by fractions of the step.
+pub(crate) struct StepNoise<'n, N> {
+    pub(crate) noise: &'n mut Option<N>,
+    pub(crate) interval: Interval,
+    /// The size of the step.
+    pub(crate) h: f64,
+    /// Whether the size is its own, and not that of the run.
+    pub(crate) is_own: bool,
+}
+
+impl<N: Noise> StepNoise<'_, N> {
+    /// The increments over a part of the step.
+    fn within(&mut self, part: [f64; 2], dw: &mut [f64]) -> Result<(), Error> {
+        let Self { noise, interval, h, is_own } = self;
+        if let Some(noise) = noise {
+            if *is_own {
+                noise.increments_of_own_size(interval, *h, part, dw)?;
+            } else {
+                noise.increments_within(interval, *h, part, dw)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A part of a step, between two states.
+#[derive(Clone, Debug)]
+pub(crate) struct StepPiece<V> {
+    pub(crate) from: State<V>,
+    pub(crate) to: State<V>,
+    pub(crate) dw: Vec<f64>,
+    /// Whether it is the whole step of the scheme.
+    pub(crate) is_whole: bool,
+}
+
+/// A step that was taken, to look into.
+pub(crate) struct StepLook<'l, N> {
+    pub(crate) number: u64,
+    pub(crate) noise: &'l mut Option<N>,
+    pub(crate) dw: &'l [f64],
+}
+
+/// Follows a path through its steps.
+pub(crate) struct Following<'a, H: Discretized<E>, E> {
+    system: &'a H,
+    rules: EventRules<'a, H::Vector>,
+    /// Follows the signs of the functions of crossings, without noise.
+    watch: SectionWatch<H::Vector>,
+    /// The signs at the last node, with noise.
+    signs: Vec<f64>,
+    side: SideStepsOf<H, E>,
+    /// The end of a run by a clock.
+    end: Option<f64>,
+    /// The direction of time.
+    sign: f64,
+    /// How many of the events at given times have happened, in the order of time, and these events.
+    times: Vec<(usize, f64)>,
+    past: usize,
+    before: State<H::Vector>,
+    room: State<H::Vector>,
+    dense: DenseOutput<H::Vector>,
+    /// The number and the time of the last crossing or event.
+    last: Option<(usize, f64)>,
+    /// The length of the last step, before the end of the run shortened it.
+    whole: f64,
+    /// The parts of the last step.
+    pub(crate) pieces: Vec<StepPiece<H::Vector>>,
+    /// The events of the last step.
+    pub(crate) happened: Vec<Event<H::Vector>>,
+    /// Whether the run has ended.
+    pub(crate) is_over: bool,
+}
+
+/// An event to come.
+struct NextEvent<V> {
+    number: usize,
+    /// The state where it happens.
+    at: State<V>,
+}
+
+impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
+    pub(crate) fn new(
+        system: &'a H,
+        rules: EventRules<'a, H::Vector>,
+        start: &State<H::Vector>,
+        sign: f64,
+        end: Option<f64>,
+    ) -> Self {
+        let mut times: Vec<(usize, f64)> = rules.times().collect();
+        times.sort_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)));
+        times.retain(|(_, t)| sign * (t - start.t) >= 0.0);
+        let functions: Vec<_> = rules.crossings().map(|(_, _, value)| value.clone()).collect();
+        let signs = functions.iter().map(|value| value(start)).collect();
+        let mut following = Self {
+            system,
+            watch: SectionWatch::new(functions.iter(), start),
+            signs,
+            rules,
+            side: SideStepper::default(),
+            end: end.filter(|_| H::PROPERTIES.is_clocked),
+            sign,
+            times,
+            past: 0,
+            before: start.clone(),
+            room: start.clone(),
+            dense: DenseOutput::of(start),
+            last: None,
+            whole: f64::NAN,
+            pieces: Vec::new(),
+            happened: Vec::new(),
+            is_over: false,
+        };
+        following.face(start);
+        following
+    }
+
+    /// The start of the last step.
+    pub(crate) fn before(&self) -> &State<H::Vector> {
+        &self.before
+    }
+
+    /// Acts at the start, at whose time there may be events.
+    pub(crate) fn begin(&mut self, state: &mut State<H::Vector>) {
+        self.happened.clear();
+        self.act_at_node(state);
+    }
+
+    /// Whether the path is on or past the end of a run by a clock.
+    fn is_past(&self, t: f64) -> bool {
+        self.end.is_some_and(|end| self.sign * (t - end) >= 0.0)
+    }
+
+    /// Takes a step of the stepper, and does what happens in it.
+    ///
+    /// # Errors
+    /// [`Error::Step`] or [`Error::Noise`]; the state is then what it was.
+    pub(crate) fn take<N: Noise, C: StateSum<f64>>(
+        &mut self,
+        stepper: &mut Stepper<'a, H, E, C>,
+        step: StepToTake<'_, H::Vector, N>,
+        size: f64,
+    ) -> Result<StepInfo, Error> {
+        let StepToTake { state, interval, noise, dw } = step;
+        copy_state(&mut self.before, state);
+        self.pieces.clear();
+        self.happened.clear();
+        let h = if H::PROPERTIES.is_clocked { stepper.upcoming(state)? } else { size };
+        let is_own = H::PROPERTIES.is_clocked;
+        let interval = match is_own {
+            // The number of the step, and its own time.
+            true => Interval { start: state.t, h, step: interval.step },
+            false => interval,
+        };
+        let mut noise = StepNoise { noise, interval, h, is_own };
+        self.draw(&mut noise, size, dw)?;
+        let info = stepper.step(state, dw)?;
+        if noise.h.is_nan() {
+            noise.h = state.t - self.before.t;
+        }
+        self.whole = noise.h;
+        let outcome = self.divide(stepper, state, &mut noise, dw);
+        if outcome.is_err() {
+            copy_state(state, &self.before);
+        }
+        outcome.map(|()| info)
+    }
+
+    /// The increments of the whole step.
+    fn draw<N: Noise>(
+        &mut self,
+        StepNoise { noise, interval, h, is_own }: &mut StepNoise<'_, N>,
+        size: f64,
+        dw: &mut [f64],
+    ) -> Result<(), Error> {
+        let Some(noise) = noise else { return Ok(()) };
+        if *is_own {
+            noise.increments_of_own_size(interval, *h, [0.0, 1.0], dw)?;
+        } else if size == interval.h {
+            noise.increments(interval, dw)?;
+        } else {
+            noise.increments_of_part(interval, size, dw)?;
+        }
+        Ok(())
+    }
+
+    /// Divides the step that led to `state` where something happens.
+    fn divide<N: Noise, C: StateSum<f64>>(
+        &mut self,
+        stepper: &Stepper<'a, H, E, C>,
+        state: &mut State<H::Vector>,
+        noise: &mut StepNoise<'_, N>,
+        dw: &mut [f64],
+    ) -> Result<(), Error> {
+        let mut from = self.before.clone();
+        let whole_dw = dw.to_vec();
+        let mut is_whole = true;
+        if let Some(end) = self.end.filter(|&end| self.is_past(state.t) && state.t != end) {
+            self.part(noise, &from, end, dw, state)?;
+            is_whole = false;
+        }
+        let last = state.t;
+        for _ in 0..MOST_EVENTS {
+            if is_whole {
+                stepper.fill([&from, state], dw, &mut self.dense);
+            } else {
+                self.dense.fill_by_rates::<H, E>(self.system, [&from, state], last - from.t, dw);
+            }
+            let Some(event) = self.next_event(noise, &from, state)? else {
+                self.pieces.push(StepPiece { from, to: state.clone(), dw: dw.to_vec(), is_whole });
+                self.is_over = self.is_over || self.is_past(last);
+                // All that drove the step up to here.
+                dw.copy_from_slice(&whole_dw);
+                if let (true, Some(_)) = (self.is_over, self.end) {
+                    self.total(noise, last, dw)?;
+                }
+                self.act_at_node(state);
+                return Ok(());
+            };
+            let at = event.at.clone();
+            // An event again without any time in between would happen for ever.
+            if self.last == Some((event.number, at.t)) {
+                return Err(self.too_many(&from, noise));
+            }
+            self.last = Some((event.number, at.t));
+            self.pieces.push(StepPiece {
+                from: from.clone(),
+                to: at.clone(),
+                dw: self.increments(noise, from.t, at.t, dw.len())?,
+                is_whole: false,
+            });
+            from = self.act(event.number, at);
+            if self.is_over {
+                copy_state(state, &from);
+                self.total(noise, from.t, dw)?;
+                return Ok(());
+            }
+            self.face(&from);
+            is_whole = false;
+            self.part(noise, &from, last, dw, state)?;
+        }
+        Err(self.too_many(&from, noise))
+    }
+
+    /// The increments from the start of the step up to a time.
+    fn total<N: Noise>(&self, noise: &mut StepNoise<'_, N>, t: f64, dw: &mut [f64]) -> Result<(), Error> {
+        noise.within([0.0, self.fraction(noise, t)], dw)
+    }
+
+    fn too_many<N>(&self, at: &State<H::Vector>, noise: &StepNoise<'_, N>) -> Error {
+        let cause = StepFailure::TooManyEvents { t: at.t, events: self.happened.len() };
+        StepError { step: noise.interval.step, t: self.before.t, h: noise.h, cause }.into()
+    }
+
+    /// A time as a fraction of the step.
+    fn fraction<N>(&self, noise: &StepNoise<'_, N>, t: f64) -> f64 {
+        ((t - self.before.t) / noise.h).clamp(0.0, 1.0)
+    }
+
+    /// The increments between two times of the step.
+    fn increments<N: Noise>(
+        &self,
+        noise: &mut StepNoise<'_, N>,
+        from: f64,
+        to: f64,
+        processes: usize,
+    ) -> Result<Vec<f64>, Error> {
+        let mut dw = vec![0.0; processes];
+        if processes > 0 {
+            let part = [from, to].map(|t| self.fraction(noise, t));
+            noise.within(part, &mut dw)?;
+        }
+        Ok(dw)
+    }
+
+    /// A side step from a state to a time of the step, with the increments that it has there.
+    fn part<N: Noise>(
+        &mut self,
+        noise: &mut StepNoise<'_, N>,
+        from: &State<H::Vector>,
+        to: f64,
+        dw: &mut [f64],
+        into: &mut State<H::Vector>,
+    ) -> Result<(), Error> {
+        if !dw.is_empty() {
+            let part = [from.t, to].map(|t| self.fraction(noise, t));
+            noise.within(part, dw)?;
+        }
+        let (system, h) = (self.system, to - from.t);
+        let step = self.side.step(system, from, h, dw, into);
+        step.map_err(|cause| StepError { step: noise.interval.step, t: from.t, h, cause })?;
+        into.t = to;
+        Ok(())
+    }
+
+    /// The first event after `from` up to `to`, the end of the step. An event at a given time that is the end
+    /// itself happens at the node.
+    fn next_event<N: Noise>(
+        &mut self,
+        noise: &mut StepNoise<'_, N>,
+        from: &State<H::Vector>,
+        to: &State<H::Vector>,
+    ) -> Result<Option<NextEvent<H::Vector>>, Error> {
+        let crossing = match noise.noise {
+            None => self.first_crossing(from, to)?,
+            Some(_) => self.first_change(noise, from, to)?,
+        };
+        let timed = self.times.get(self.past).copied().filter(|(_, t)| self.sign * (to.t - t) > 0.0);
+        match (crossing, timed) {
+            (Some(crossing), Some((_, t))) if self.sign * (crossing.at.t - t) < 0.0 => Ok(Some(crossing)),
+            (_, Some((number, t))) => {
+                let mut at = from.clone();
+                let mut dw = vec![0.0; self.system.increments(from.q.components().len())];
+                self.part(noise, from, t, &mut dw, &mut at)?;
+                self.past += 1;
+                Ok(Some(NextEvent { number, at }))
+            }
+            (crossing, None) => Ok(crossing),
+        }
+    }
+
+    /// The first crossing on the polynomial of the step, put on the section by side steps.
+    fn first_crossing(
+        &mut self,
+        from: &State<H::Vector>,
+        to: &State<H::Vector>,
+    ) -> Result<Option<NextEvent<H::Vector>>, Error> {
+        if self.signs.is_empty() {
+            return Ok(None);
+        }
+        let wanted: Vec<(usize, Option<Direction>)> =
+            self.rules.crossings().map(|(number, direction, _)| (number, direction)).collect();
+        let (sign, mut first): (f64, Option<Crossing<H::Vector>>) = (self.sign, None);
+        let functions: Vec<_> = self.rules.crossings().map(|(_, _, value)| value.clone()).collect();
+        self.watch.follow(functions.iter(), &self.dense, &mut |crossing| {
+            let counts = wanted[crossing.section].1.is_none_or(|direction| direction == crossing.direction);
+            let is_first = first.as_ref().is_none_or(|first| sign * (crossing.state.t - first.state.t) < 0.0);
+            if counts && is_first {
+                first = Some(crossing);
+            }
+        });
+        let Some(Crossing { section, state, .. }) = first else { return Ok(None) };
+        let at = self.put_on(&*functions[section], from, to.t, state);
+        Ok(Some(NextEvent { number: wanted[section].0, at }))
+    }
+
+    /// The state at which a function is zero, by Newton's method on the length of a side step: by secants,
+    /// from the crossing on the polynomial.
+    fn put_on(
+        &mut self,
+        value: &dyn Fn(&State<H::Vector>) -> f64,
+        from: &State<H::Vector>,
+        end: f64,
+        near: State<H::Vector>,
+    ) -> State<H::Vector> {
+        let (whole, mut best) = (end - from.t, near);
+        let mut length = best.t - from.t;
+        let at = |side: &mut SideStepsOf<H, E>, room: &mut State<H::Vector>, length: f64| {
+            side.step(self.system, from, length, &[], room).ok().map(|()| value(room))
+        };
+        let Self { side, room, .. } = self;
+        // A part of the step over which the function is a straight line to half of its digits.
+        let apart = whole * 1e-7;
+        let Some(mut here) = at(side, room, length) else { return best };
+        copy_state(&mut best, room);
+        let mut least = here.abs();
+        let Some(beside) = at(side, room, length - apart) else { return best };
+        let mut slope = (here - beside) / apart;
+        for _ in 0..MOST_CORRECTIONS {
+            let next = length - here / slope;
+            // Also where it is no number.
+            if !(next / whole > 0.0 && next / whole <= 1.0) || next == length {
+                break;
+            }
+            let Some(there) = at(side, room, next) else { break };
+            if there.abs() >= least {
+                break;
+            }
+            copy_state(&mut best, room);
+            (slope, least) = ((there - here) / (next - length), there.abs());
+            (length, here) = (next, there);
+        }
+        best
+    }
+
+    /// With noise: a change of sign between the ends of a part of the step, put on the section along the
+    /// bridge of its increments.
+    fn first_change<N: Noise>(
+        &mut self,
+        noise: &mut StepNoise<'_, N>,
+        from: &State<H::Vector>,
+        to: &State<H::Vector>,
+    ) -> Result<Option<NextEvent<H::Vector>>, Error> {
+        let crossings: Vec<_> = self
+            .rules
+            .crossings()
+            .map(|(number, direction, value)| (number, direction, value.clone()))
+            .collect();
+        let (mut first, processes): (Option<NextEvent<H::Vector>>, _) =
+            (None, self.system.increments(from.q.components().len()));
+        let mut signs = self.signs.clone();
+        for (place, (number, wanted, value)) in crossings.into_iter().enumerate() {
+            let (before, after) = (signs[place], value(to));
+            if after != 0.0 {
+                signs[place] = after;
+            }
+            let direction = if after > 0.0 { Direction::Rising } else { Direction::Falling };
+            let changes = before * after < 0.0 && wanted.is_none_or(|wanted| wanted == direction);
+            if !changes {
+                continue;
+            }
+            let (mut at, mut failure, mut dw) = (from.clone(), None, vec![0.0; processes]);
+            let fraction = root([0.0, 1.0], [before, after], |fraction| {
+                let t = from.t + fraction * (to.t - from.t);
+                match self.part(noise, from, t, &mut dw, &mut at) {
+                    Ok(()) => value(&at),
+                    Err(error) => {
+                        failure = Some(error);
+                        f64::NAN
+                    }
+                }
+            });
+            if let Some(error) = failure {
+                return Err(error);
+            }
+            self.part(noise, from, from.t + fraction * (to.t - from.t), &mut dw, &mut at)?;
+            let is_first = first.as_ref().is_none_or(|first| self.sign * (at.t - first.at.t) < 0.0);
+            if is_first {
+                first = Some(NextEvent { number, at });
+            }
+        }
+        if first.is_none() {
+            self.signs = signs;
+        }
+        Ok(first)
+    }
+
+    /// Does what an event does to a state, and keeps both.
+    fn act(&mut self, number: usize, before: State<H::Vector>) -> State<H::Vector> {
+        let mut after = before.clone();
+        let outcome = (self.rules.0[number].action)(&mut after);
+        // An action changes no time.
+        after.t = before.t;
+        self.is_over |= outcome == AfterEvent::End;
+        self.happened.push(Event { event: number, before, after: after.clone() });
+        after
+    }
+
+    /// Events whose time is that of a node.
+    fn act_at_node(&mut self, state: &mut State<H::Vector>) {
+        let mut has_acted = false;
+        while let Some((number, t)) = self.times.get(self.past).copied()
+            && t == state.t
+            && !self.is_over
+        {
+            self.past += 1;
+            *state = self.act(number, state.clone());
+            has_acted = true;
+        }
+        if has_acted {
+            self.face(state);
+        }
+    }
+
+    /// The side of each crossing on which a path is that goes on from a state: that of the sign of the
+    /// function, or that to which the path moves where the function vanishes up to its rounding.
+    fn face(&mut self, state: &State<H::Vector>) {
+        let functions: Vec<_> = self.rules.crossings().map(|(_, _, value)| value.clone()).collect();
+        let values: Vec<f64> = functions.iter().map(|value| self.side_of(&**value, state)).collect();
+        self.watch.set_sides(&values);
+        self.signs = values;
+    }
+
+    fn side_of(&mut self, value: &dyn Fn(&State<H::Vector>) -> f64, state: &State<H::Vector>) -> f64 {
+        let here = value(state);
+        let gradient = self.system.energy_gradient(state);
+        let (q, p) = (state.q.components(), state.p.components());
+        let mut force = H::Vector::zeros(q.len());
+        self.system.force(q, p, state.t, force.components_mut());
+        // As far ahead as half of the digits of the state allow, by the rates alone.
+        let rate = |i: usize| gradient.p.components()[i];
+        let pull = |i: usize| force.components()[i] - gradient.q.components()[i];
+        let slowest = (0..q.len()).map(|i| size_ratio(rate(i), q[i]).max(size_ratio(pull(i), p[i])));
+        let fastest = slowest.fold(0.0, f64::max);
+        let ahead = f64::EPSILON.sqrt() / fastest;
+        if !ahead.is_finite() {
+            return here;
+        }
+        copy_state(&mut self.room, state);
+        self.room.t += self.sign * ahead;
+        for i in 0..q.len() {
+            self.room.q.components_mut()[i] += self.sign * ahead * rate(i);
+            self.room.p.components_mut()[i] += self.sign * ahead * pull(i);
+        }
+        let there = value(&self.room);
+        // A function that changes its sign there is zero up to the error of its crossing.
+        if here * there <= 0.0 { there } else { here }
+    }
+
+    /// Looks into the parts of the last step, for recorded times and sections.
+    ///
+    /// # Errors
+    /// The errors of side steps and of their noise.
+    pub(crate) fn look<N: Noise, C: StateSum<f64>>(
+        &mut self,
+        stepper: &Stepper<'a, H, E, C>,
+        step: StepLook<'_, N>,
+        looks: &mut BetweenNodes<'_, '_, H::Vector>,
+        recorder: &mut Recorder<H::Vector>,
+    ) -> Result<(), Error> {
+        let StepLook { number, noise, dw } = step;
+        let pieces = std::mem::take(&mut self.pieces);
+        let (mut later, mut dense) = (dw.to_vec(), self.dense.clone());
+        for (place, piece) in pieces.iter().enumerate() {
+            let StepPiece { from, to, dw, is_whole } = piece;
+            later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
+            if *is_whole {
+                stepper.fill([from, to], dw, &mut dense);
+            } else {
+                dense.fill_by_rates::<H, E>(self.system, [from, to], to.t - from.t, dw);
+            }
+            let part = StepPart { step: number, dw, later: &later, is_last: place + 1 == pieces.len() };
+            if H::PROPERTIES.is_clocked {
+                self.record_times(noise, piece, &part, recorder)?;
+            } else {
+                looks.record_times(&dense, &part, recorder);
+            }
+            let sections = looks.sections();
+            looks.find_crossings(&dense, recorder, &mut |crossing| {
+                // By a clock, of the full order of the scheme; with noise on the polynomial.
+                if H::PROPERTIES.is_clocked
+                    && dw.is_empty()
+                    && let Some(value) = sections.functions().nth(crossing.section)
+                {
+                    crossing.state = self.put_on(&**value, from, to.t, crossing.state.clone());
+                }
+            });
+        }
+        self.pieces = pieces;
+        Ok(())
+    }
+
+    /// Records the times in a part of a step by a clock, by side steps.
+    fn record_times<N: Noise>(
+        &mut self,
+        noise: &mut Option<N>,
+        StepPiece { from, to, dw, .. }: &StepPiece<H::Vector>,
+        part: &StepPart<'_>,
+        recorder: &mut Recorder<H::Vector>,
+    ) -> Result<(), Error> {
+        while let Some(moment) = recorder.next_inside().filter(|moment| self.sign * (moment.t - to.t) < 0.0) {
+            let interval = Interval { start: self.before.t, h: self.whole, step: part.step };
+            let mut noise = StepNoise { noise: &mut *noise, interval, h: self.whole, is_own: true };
+            let (mut at, mut own) = (from.clone(), vec![0.0; dw.len()]);
+            self.part(&mut noise, from, moment.t, &mut own, &mut at)?;
+            recorder.keep_inside(&at, |process| dw[process] - own[process] + part.later[process]);
+        }
+        // A time at the end of a part is that of its node.
+        while let Some(moment) = recorder.next_inside().filter(|moment| moment.t == to.t) {
+            let mut at = to.clone();
+            at.t = moment.t;
+            recorder.keep_inside(&at, |process| part.later[process]);
+        }
+        Ok(())
+    }
+
+    /// Everything that steps change.
+    pub(crate) fn pass(&mut self, state: &State<H::Vector>, tape: &mut crate::ground::numbers::Tape) {
+        let mut past = self.past as u64;
+        tape.word(&mut past);
+        self.past = usize::try_from(past).unwrap_or(usize::MAX);
+        tape.numbers(&mut self.signs);
+        self.watch.pass(tape);
+        copy_state(&mut self.before, state);
+        tape.flag(&mut self.is_over);
+        let (number, t) = self.last.unwrap_or((usize::MAX, f64::NAN));
+        let (mut number, mut t) = (number as u64, t);
+        tape.word(&mut number);
+        tape.number(&mut t);
+        self.last = usize::try_from(number).ok().filter(|_| !t.is_nan()).map(|number| (number, t));
+    }
+}
+
+/// How fast a number of this rate changes in its own size; its rate alone where it is zero.
+fn size_ratio(rate: f64, size: f64) -> f64 {
+    if size == 0.0 { 0.0 } else { (rate / size).abs() }
+}
