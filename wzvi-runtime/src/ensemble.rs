@@ -18,6 +18,7 @@
 //! single path again.
 
 mod account;
+mod by_runs;
 mod chaos;
 mod checks;
 mod chunk;
@@ -59,7 +60,7 @@ use job::Inspector;
 pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEstimate, Nothing, Observed};
 use source::{NoiseSource, NormalSettings};
 use starts::ByPath;
-pub use starts::{Draw, OneSystem, SystemByPath, Systems};
+pub use starts::{Draw, OneSystem, RunByPath, SystemByPath, Systems};
 
 use crate::algebra::state::State;
 use crate::error::wrong;
@@ -69,9 +70,11 @@ pub use crate::saving::table::{Column, Table};
 use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::statistics::AnyStatistic;
 use crate::trajectory::Error;
+use crate::trajectory::events::{AfterEvent, EventPlace};
 use crate::trajectory::exclusive_setting::{ExclusiveSetting, SOME};
 use crate::trajectory::options::{self, Observables, OwnObservable, elsewhere, options};
 use crate::trajectory::retry::Retry;
+use crate::trajectory::section::Direction;
 
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it,
 /// [`Ensemble::run`] runs it.
@@ -225,7 +228,10 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     pub fn systems(
         mut self,
         system: impl Fn(&mut Draw) -> H + Send + Sync + 'a,
-    ) -> Ensemble<'a, H, E, N, SystemByPath> {
+    ) -> Ensemble<'a, H, E, N, P::Own>
+    where
+        P: Systems,
+    {
         self.setup.more.systems.set("systems", SOME, ByPath::Drawn(Box::new(system)));
         self.marked()
     }
@@ -233,10 +239,10 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     /// Sets the system of each path, in the order of their numbers, as [`Ensemble::systems`] does. There are
     /// as many paths as systems, unless [`Ensemble::paths`] says fewer. A list of starts must have the same
     /// length.
-    pub fn systems_from(
-        mut self,
-        systems: impl IntoIterator<Item = H>,
-    ) -> Ensemble<'a, H, E, N, SystemByPath> {
+    pub fn systems_from(mut self, systems: impl IntoIterator<Item = H>) -> Ensemble<'a, H, E, N, P::Own>
+    where
+        P: Systems,
+    {
         self.setup.more.systems.set("systems_from", SOME, ByPath::Listed(systems.into_iter().collect()));
         self.marked()
     }
@@ -394,6 +400,48 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     /// This run with other type parameters.
     fn marked<M, Q>(self) -> Ensemble<'a, H, E, M, Q> {
         Ensemble { setup: self.setup, types: PhantomData }
+    }
+}
+
+impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
+    /// Acts on each path where `value`, a function of the state, is zero, in both directions, as
+    /// [`Simulation::on`](crate::trajectory::simulate::Simulation::on) does. Each path is then a run of its
+    /// own, with the bits of a `Simulation` with plain sums. A path that an action ends stays where it is:
+    /// later times have its last state.
+    pub fn on<R: Into<AfterEvent>>(
+        self,
+        value: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
+        action: impl Fn(&mut State<H::Vector>) -> R + Send + Sync + 'a,
+    ) -> Ensemble<'a, H, E, N, RunByPath> {
+        self.with_event(EventPlace::Crossing(None, Arc::new(value)), action)
+    }
+
+    /// As [`Ensemble::on`], for crossings in one direction.
+    pub fn on_towards<R: Into<AfterEvent>>(
+        self,
+        direction: Direction,
+        value: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
+        action: impl Fn(&mut State<H::Vector>) -> R + Send + Sync + 'a,
+    ) -> Ensemble<'a, H, E, N, RunByPath> {
+        self.with_event(EventPlace::Crossing(Some(direction), Arc::new(value)), action)
+    }
+
+    /// As [`Ensemble::on`], at the time `t` (time units of the Hamiltonian).
+    pub fn on_time<R: Into<AfterEvent>>(
+        self,
+        t: f64,
+        action: impl Fn(&mut State<H::Vector>) -> R + Send + Sync + 'a,
+    ) -> Ensemble<'a, H, E, N, RunByPath> {
+        self.with_event(EventPlace::Time(t), action)
+    }
+
+    fn with_event<R: Into<AfterEvent>>(
+        mut self,
+        place: EventPlace<'a, H::Vector>,
+        action: impl Fn(&mut State<H::Vector>) -> R + Send + Sync + 'a,
+    ) -> Ensemble<'a, H, E, N, RunByPath> {
+        self.setup.events.push(place, action);
+        self.marked()
     }
 }
 

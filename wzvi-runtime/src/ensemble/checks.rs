@@ -23,7 +23,6 @@ use crate::statistics::{
 use crate::trajectory::Error;
 use crate::trajectory::exclusive_setting::SOME;
 use crate::trajectory::options::{Observables, elsewhere};
-use crate::trajectory::simulate::by_clock;
 use crate::trajectory::span::{NodeGrid, ONE_START};
 
 /// More recorded nodes than anyone looks at.
@@ -72,9 +71,6 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
     {
         let mut setup = self.setup;
         let (system, h, more) = (setup.system, setup.h, setup.more);
-        if H::PROPERTIES.is_clocked {
-            return Err(by_clock("ensemble").into());
-        }
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h).into());
         }
@@ -125,6 +121,25 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let has_pairs = source.is_antithetic();
         if has_pairs && paths % 2 == 1 {
             return wrong(format!("{paths} antithetic paths: they come in pairs"));
+        }
+        let is_by_runs = H::PROPERTIES.is_clocked || !setup.events.is_empty();
+        if is_by_runs {
+            let refused = [
+                (setup.retry.most() > 0, "`retry`"),
+                (!more.events.is_empty(), "`first_passage`"),
+                (more.wanted.has_work, "`observe_work`"),
+                (has_pairs, "antithetic paths"),
+            ];
+            if let Some((_, what)) = refused.into_iter().find(|(is_made, _)| *is_made) {
+                return wrong(format!(
+                    "{what} of paths by a clock, or with events: leave it out; `on(value, |_| Terminal)` ends a path at its first passage"
+                ));
+            }
+        }
+        if H::PROPERTIES.is_clocked && setup.recorded.every.is_some() {
+            return wrong(
+                "`record_every` of paths by clocks, which have no common nodes: record them at times, `.record_at(times)`",
+            );
         }
         let recorded = setup.recorded.checked(0, &grid)?;
         let recorded = recorded.all(&grid, MOST_NODES)?;
@@ -190,6 +205,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
             is_watched: setup.is_watched,
             observed: ObservedNodes { recorded, observables, own, work, inspector: more.inspector, empty },
             crossed: CrossedFunctions { sections: setup.sections, events },
+            acting: setup.events,
             stop,
         };
         Ok(job.chunked())

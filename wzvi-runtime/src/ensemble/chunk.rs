@@ -99,6 +99,9 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunks<'_,
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
+        if const { P::ARE_RUNS || H::PROPERTIES.is_clocked } {
+            return self.job.chunks_by_runs(self.numbers);
+        }
         if const { WIDTH != 0 } {
             self.of_width::<WIDTH>()
         } else if const { EnsembleJob::<H, E>::MAY_BE_LARGE }

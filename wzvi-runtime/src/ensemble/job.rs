@@ -13,6 +13,7 @@ use crate::noise::StepNormals;
 use crate::scheme::system::{Discretized, Hamiltonian, PreparedOf};
 use crate::statistics::Statistics;
 use crate::trajectory::Error;
+use crate::trajectory::events::EventRules;
 use crate::trajectory::options::{Observable, OwnObservable};
 use crate::trajectory::recording::RecordedTime;
 use crate::trajectory::retry::Retry;
@@ -37,6 +38,8 @@ pub(super) struct EnsembleJob<'a, H: Discretized<E>, E> {
     pub(super) is_watched: bool,
     pub(super) observed: ObservedNodes<'a, H>,
     pub(super) crossed: CrossedFunctions<'a, H::Vector>,
+    /// The events that act on paths.
+    pub(super) acting: EventRules<'a, H::Vector>,
     pub(super) stop: Stop<'a>,
 }
 
@@ -288,6 +291,7 @@ impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
                 empty: self.observed.empty.clone(),
             },
             crossed: CrossedFunctions { sections: Sections::default(), events: Vec::new() },
+            acting: EventRules::default(),
             stop: self.stop,
         })
     }

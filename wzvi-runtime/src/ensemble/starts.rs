@@ -20,6 +20,19 @@ pub trait Systems {
     const ARE_OWN: bool = false;
     /// Whether a coarser path goes beside each, on the same Brownian path.
     const ARE_PAIRED: bool = false;
+    /// Whether each path is a run of its own, since events act on it.
+    const ARE_RUNS: bool = false;
+    /// The same where each path has a system of its own.
+    type Own: Systems;
+}
+
+/// Each path is a run of its own, with events that act on it.
+#[derive(Clone, Copy, Debug)]
+pub enum RunByPath {}
+
+impl Systems for RunByPath {
+    const ARE_RUNS: bool = true;
+    type Own = Self;
 }
 
 /// All paths are of one system.
@@ -34,14 +47,18 @@ pub enum SystemByPath {}
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Paired {}
 
-impl Systems for OneSystem {}
+impl Systems for OneSystem {
+    type Own = SystemByPath;
+}
 
 impl Systems for Paired {
     const ARE_PAIRED: bool = true;
+    type Own = Self;
 }
 
 impl Systems for SystemByPath {
     const ARE_OWN: bool = true;
+    type Own = Self;
 }
 
 /// The kind of a draw: starts and systems are independent.

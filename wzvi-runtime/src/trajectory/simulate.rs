@@ -6,7 +6,7 @@ mod run;
 mod tangent;
 
 pub use adjoint::Adjoint;
-pub(crate) use bare::{StepsOnly, by_clock};
+pub(crate) use bare::StepsOnly;
 pub(crate) use run::{OnePath, RunRecords, RunState};
 pub use tangent::Tangent;
 pub(crate) use tangent::{COLUMNS, Past, SharedStep, TangentColumns};
@@ -22,10 +22,12 @@ use crate::increments::{NoNoise, Noise};
 use crate::scheme::system::{Discretized, Hamiltonian, SumOf};
 use crate::trajectory::Error;
 use crate::trajectory::checkpoint::CheckpointSetting;
+use crate::trajectory::events::EventRules;
 use crate::trajectory::options::{RunSetup, options};
 use crate::trajectory::recorded::Trajectory;
 use crate::trajectory::recording::RecordingRequest;
 use crate::trajectory::retry::Retry;
+use crate::trajectory::section::Sections;
 use crate::trajectory::series::Averaged;
 
 /// The data of a node besides its state, for an observer.
@@ -217,6 +219,18 @@ impl<'a, H: Hamiltonian, E, N, O, S> Simulation<'a, H, E, N, O, S> {
         F: FnMut(&State<H::Vector>, &Node<'_>),
     {
         self.observed_by(observer)
+    }
+
+    /// With these events.
+    pub(crate) fn acting(mut self, events: &EventRules<'a, H::Vector>) -> Self {
+        self.setup.events = events.clone();
+        self
+    }
+
+    /// With these sections.
+    pub(crate) fn crossing(mut self, sections: &Sections<'a, H::Vector>) -> Self {
+        self.setup.sections = sections.clone();
+        self
     }
 
     pub(crate) fn observed_by<Q>(self, observer: Q) -> Simulation<'a, H, E, N, Q, S> {

@@ -242,7 +242,7 @@ impl NodeGrid {
         } else if before_end == 0.0 {
             Some(NodeOrInside::Node(self.steps))
         } else {
-            (after_start > 0.0 && before_end > 0.0).then_some(NodeOrInside::Inside(MOST_STEPS))
+            (after_start > 0.0 && before_end > 0.0).then_some(NodeOrInside::Inside(MOST_STEPS - 1))
         }
     }
 }

@@ -64,7 +64,7 @@ where
 }
 
 /// The refusal of a method that takes constant steps.
-pub(crate) fn by_clock(what: &str) -> ConfigError {
+fn by_clock(what: &str) -> ConfigError {
     ConfigError::Setting(format!(
         "`{what}` of a scheme with a clock: it takes constant steps; run the scheme inside of `Clocked` in steps of a size, \
          with `retry` where they are long"
