@@ -23,6 +23,7 @@
 
 mod density;
 mod evaluation;
+mod extended;
 mod side;
 mod text;
 
@@ -34,6 +35,9 @@ use crate::scheme::embedding::Midpoint;
 use crate::scheme::gauss::Gauss;
 
 pub use density::{ClockMemory, ClockMemoryOf, ClockedComposition, ClockedSteps};
+pub use extended::{
+    ExplicitPair, ExtendedGauss, ExtendedMemory, LogarithmicSplitting, PairNode, SplittingNode, StageMemory,
+};
 pub(crate) use side::SideStepper;
 
 /// The constant step of a clock, a fraction: steps take `eps Q` in time. It has no unit if `Q` is a time.
@@ -74,7 +78,10 @@ pub trait Clock: Elements {
     label = "not generated for `{Self}`",
     note = "only listed schemes are compiled: add it to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`"
 )]
-pub trait Extends: Clock {}
+pub trait Extends: Clock {
+    /// Whether the Hamiltonian or the clock reads the time.
+    const READS_TIME: bool = Self::FACTS.kind.reads_time;
+}
 
 /// A system `T(p) + V(q)` with `V < 0`, by proof; generated where `Logarithmic` is listed. Its elements have
 /// values and derivatives for [`Role::Summand`](crate::scheme::elements::Role::Summand): 0 is `T`, 1 is `V`.

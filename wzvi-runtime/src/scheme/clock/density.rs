@@ -12,7 +12,7 @@
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-use super::evaluation::ClockOf;
+use super::evaluation::{ClockOf, is_positive};
 use super::{Clock, ClockReading, Clocked, SelfAdjoint, text};
 use crate::algebra::memory::{MemoryRequest, SolverReport, StepMemory};
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
@@ -437,10 +437,5 @@ where
 /// [`StepFailure::ClockTooCoarse`]
 fn positive<N: Scalar>(density: N) -> Result<N, StepFailure> {
     let value = density.lane(0);
-    // Also false for NaN.
-    if value > 0.0 && value.is_finite() {
-        Ok(density)
-    } else {
-        Err(StepFailure::ClockTooCoarse { density: value })
-    }
+    if is_positive(value) { Ok(density) } else { Err(StepFailure::ClockTooCoarse { density: value }) }
 }

@@ -22,12 +22,7 @@ impl<H: Clock, N: Constant<Constant = N>> ClockOf<'_, H, N> {
         let at = EvaluationPoint::new([q, p], t, self.parameters, &[]);
         let period = self.system.value(Role::Clock, 1.0, &at);
         let value = period.lane(0);
-        // Also false for NaN.
-        if value > 0.0 && value.is_finite() {
-            Ok(period)
-        } else {
-            Err(StepFailure::ClockNotPositive { value })
-        }
+        if is_positive(value) { Ok(period) } else { Err(StepFailure::ClockNotPositive { value }) }
     }
 
     /// `G = -d ln Q/dt`
@@ -35,4 +30,9 @@ impl<H: Clock, N: Constant<Constant = N>> ClockOf<'_, H, N> {
         let at = EvaluationPoint::new([q, p], t, self.parameters, &[]);
         self.system.value(Role::ClockRate, 1.0, &at)
     }
+}
+
+/// Whether a number is positive and finite; NaN is not.
+pub(super) fn is_positive(number: f64) -> bool {
+    number > 0.0 && number.is_finite()
 }

@@ -27,6 +27,16 @@ pub struct GaussConstants<P, const N: usize, K = f64> {
 }
 
 impl<P, const N: usize, K: Constant> GaussConstants<P, N, K> {
+    /// The parameters of the system.
+    pub(in crate::scheme) fn parameters_mut(&mut self) -> &mut P {
+        &mut self.parameters
+    }
+
+    /// The weights `b_i` of the stages.
+    pub(in crate::scheme) fn weights(&self) -> &[f64; N] {
+        &self.common.table.b
+    }
+
     /// Makes these constants those for steps of another size. The stages of the next step start from the
     /// derivatives of a step of the size before.
     ///

@@ -280,6 +280,14 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> GaussMemory<S, H, W, N> {
         self.lists.fits(degrees) && self.given.fits(noises)
     }
 
+    /// Reads coordinates and momenta of the last step at stage `i`.
+    pub(in crate::scheme) fn read_stage(&self, i: usize, into: [&mut Vec<S>; 2]) {
+        for (into, stages) in into.into_iter().zip(&self.lists.at) {
+            into.clear();
+            into.extend(stages.as_ref().iter().map(|stages| stages.get(i)));
+        }
+    }
+
     /// Resizes the lists for so many degrees of freedom and noises.
     pub(super) fn fit(&mut self, degrees: usize, noises: usize) {
         if !self.fits(degrees, noises) {

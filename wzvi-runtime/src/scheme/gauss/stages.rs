@@ -110,10 +110,10 @@ pub(super) struct PackedStages<S: Scalar, H: Shape, W: Shape, const N: usize> {
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> SweepScratch<S, H, W, N> {
-    /// Scratch for so many degrees of freedom and noises. If all stages are one part, it is empty: the lists
-    /// themselves are used.
+    /// Scratch for so many degrees of freedom and noises. If a part is all stages of one path, it is
+    /// empty: the lists themselves are used.
     pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
-        let is_needed = <S::Stages<N> as Stages<S, N>>::PARTS > 1;
+        let is_needed = S::Stages::<N>::numbers(&[]).is_some();
         let (degrees, noises) = if is_needed { (degrees, noises) } else { (0, 0) };
         Self { parts: PackedStages::of_length(degrees, noises), one: OneStage::default() }
     }

@@ -56,10 +56,10 @@ impl<const N: usize> Tableau<N> {
             };
             // `∫ P_k` from `x = 1`, where `P_{-1}` is the constant 1, as `P_0` is.
             let once = |k: usize| (at(k + 1) - at(k.saturating_sub(1))) / (2.0 * (2.0 * k as f64 + 1.0));
-            for j in 0..N {
+            for (j, of_node) in at_nodes.iter().enumerate() {
                 let (mut first, mut second) = (0.0, 0.0);
                 for k in 0..N {
-                    let weight = (2.0 * k as f64 + 1.0) * if k == 0 { 1.0 } else { at_nodes[j][k - 1] };
+                    let weight = (2.0 * k as f64 + 1.0) * if k == 0 { 1.0 } else { of_node[k - 1] };
                     let twice = match k {
                         0 => once(0) * once(0) * 0.5,
                         _ => (once(k + 1) - once(k - 1)) / (2.0 * (2.0 * k as f64 + 1.0)),
