@@ -3,6 +3,7 @@
 mod counted;
 mod flows;
 mod forced;
+mod kepler;
 mod parts;
 mod stages;
 

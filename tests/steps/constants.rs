@@ -120,6 +120,17 @@ struct Parts {
     gamma: f64,
 }
 
+/// A Kepler problem with a quadratic kick.
+#[hamiltonian(
+    drift = [|[x, y], [u, v]| 0.5 * (u * u + v * v) / m - k / x.hypot(y), |[x, y], _| 0.5 * b * (x - y).powi(2)],
+    embedding = Verlet,
+)]
+struct Orbit {
+    m: f64,
+    k: f64,
+    b: f64,
+}
+
 /// Friction of a rate that steps take in.
 #[hamiltonian(drift = |q, p| 0.5 * p * p + k * q * q, friction = gamma * gamma, embedding = [Midpoint, DeltaPlus, Gauss<2>, Gauss<3>])]
 struct Damped {
@@ -287,6 +298,9 @@ fn flows_of_parts() {
     let start = State { t: 0.3, ..State::new([0.4, -0.1], [0.2, 0.3]) };
     let parts = |[m, k, c, b, w, gamma]: [f64; 6]| Parts { m, k, c, b, w, gamma };
     check_schemes!(parts, names, at, &start, None, [Composed<Verlet, Aba864>]);
+    let (names, start) = (["m", "k", "b"], State::new([0.9, -0.1], [0.2, 0.8]));
+    let orbit = |[m, k, b]: [f64; 3]| Orbit { m, k, b };
+    check_schemes!(orbit, names, [0.9, 1.3, 0.2], &start, None, [Composed<Verlet, Aba864>]);
 }
 
 #[test]

@@ -21,8 +21,9 @@ messages! {
         `Thermostat<Midpoint>`";
     /// A part of a drift whose flow is not known.
     part_without_flow(found, reason: &str) = "this part of the drift has no known flow: {reason}; flows \
-        are known for functions of the coordinates (and the time), for functions of the momenta (and the time), and \
-        for polynomials of degree two in both with constant coefficients, for which the size must be known; write one \
+        are known for functions of the coordinates (and the time), for functions of the momenta (and the time), \
+        for polynomials of degree two in both with constant coefficients, and for Kepler problems, sums over bodies of \
+        |p|²/(2 m) - k/|q| with constants m and k; for the last two the size must be known; write one \
         Hamiltonian if no scheme needs the parts";
     /// A force or friction that fits neither part of a drift.
     acts_in_no_part(found, reason: &str, converted: &str) = "this belongs to neither part of the drift: {reason}{converted}; write the drift \

@@ -14,6 +14,7 @@ pub(crate) mod staged;
 pub(crate) mod sweep;
 
 use crate::discretise::branches::{Boundary, Crossing};
+use crate::discretise::split::SummandForm;
 use crate::discretise::{
     Block, Facts, NoiseClass, Scheme, Solution, StepSymbols, Unknown, family_of, modified, unweighted,
 };
@@ -42,8 +43,14 @@ pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
         |graph: &mut Graph, term: &Term| facts.space.display(graph, &unweighted(&term.values), Rational::ONE);
     say!(text, "\nHamiltonians");
     say!(text, "  H0 = {}", value(graph, drift));
-    for (name, part) in ["H_A", "H_B"].iter().zip(parts) {
+    for ((name, part), form) in ["H_A", "H_B"].iter().zip(parts).zip(&facts.summands.forms) {
         say!(text, "  {name} = {}, a part of H0", value(graph, part));
+        if let Ok(SummandForm::Kepler(components)) = form {
+            say!(
+                text,
+                "    flow of {name} over a h: Kepler's, by universal variables, for each body of {components} coordinates"
+            );
+        }
     }
     let (forces, noise): (Vec<_>, Vec<_>) = numbers.iter().zip(noise).partition(|(_, noise)| noise.is_force);
     for (number, Noise { term, family, .. }) in noise {

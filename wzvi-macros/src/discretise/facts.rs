@@ -21,6 +21,7 @@ pub(crate) mod flows;
 mod forces;
 mod form;
 mod invariants;
+mod kepler;
 pub(crate) mod kinetic;
 pub(crate) mod split;
 mod weak;

@@ -105,6 +105,12 @@ pub enum StepFailure {
         /// How many happened in the step.
         events: usize,
     },
+    /// In the flow of a Kepler problem, a body meets its centre: it has no angular momentum to rounding, or
+    /// starts there. The motion ends with the collision.
+    Collision {
+        /// The number of the body, from 0, in the order of the coordinates; the message counts likewise.
+        body: usize,
+    },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
     /// The new state is not finite, and neither is a parameter of the system, the probable cause.
@@ -206,6 +212,9 @@ messages! { StepFailure:
     Self::NoProjection { iterations, residual } =>
         "no point of the manifold of the constraints was found near the state: after {iterations} corrections, a constraint is {residual:.1e} of \
          its terms; give a state nearer to the manifold, and check the numbers in the constraints";
+    Self::Collision { body } =>
+        "body {body} (from 0) of a Kepler problem meets its centre within the step, where its motion ends; end the run before, or give \
+         the body angular momentum";
     Self::NonFinite => "the new state is not finite; take a smaller step or check the domain of H";
     Self::Infinite { parameter } =>
         "the new state is not finite, and the parameter `{parameter}` of the system is infinite; give it a finite value, or take a smaller \

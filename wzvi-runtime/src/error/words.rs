@@ -21,6 +21,7 @@ const NO_PROJECTION: u64 = LANES - 9;
 const CLOCK: u64 = LANES - 10;
 const COARSE: u64 = LANES - 11;
 const EVENTS: u64 = LANES - 12;
+const COLLISION: u64 = LANES - 13;
 /// Words before these, for the radius of curvature of each constraint.
 const BEYOND: u64 = LANES - (1 << 32);
 
@@ -62,6 +63,7 @@ impl StepFailure {
             Self::ClockNotPositive { value } => [CLOCK, value.to_bits(), 0],
             Self::ClockTooCoarse { density } => [COARSE, density.to_bits(), 0],
             Self::TooManyEvents { t, events } => [EVENTS, t.to_bits(), events as u64],
+            Self::Collision { body } => [COLLISION, body as u64, 0],
             Self::NonFinite => [4, 0, 0],
             // Here the name is lost.
             Self::Infinite { .. } => [INFINITE, 0, 0],
@@ -92,6 +94,7 @@ impl StepFailure {
             UNDEFINED => Self::UndefinedEnergy,
             OFF_MANIFOLD => Self::OffManifold { coordinates: x, momenta: y },
             NO_PROJECTION => Self::NoProjection { iterations: u32::try_from(a).ok()?, residual: y },
+            COLLISION => Self::Collision { body: usize::try_from(a).ok()? },
             DEPENDENT => Self::Dependent { constraint: usize::try_from(a).ok()? },
             which if which <= BEYOND && which > BEYOND - (1 << 32) => {
                 Self::BeyondCurvature { constraint: (BEYOND - which) as usize, length: x, radius: y }
@@ -138,6 +141,7 @@ mod tests {
             StepFailure::ClockNotPositive { value: -0.5 },
             StepFailure::TooManyEvents { t: 0.5, events: 1000 },
             StepFailure::ClockTooCoarse { density: f64::NEG_INFINITY },
+            StepFailure::Collision { body: 3 },
             StepFailure::NoProjection { iterations: 50, residual: 0.5 },
             StepFailure::BeyondCurvature { constraint: 0, length: 2.0, radius: 1.0 },
             StepFailure::BeyondCurvature { constraint: 10_000, length: 2.0, radius: 1.0 },

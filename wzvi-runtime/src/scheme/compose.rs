@@ -23,6 +23,7 @@
 mod checks;
 pub(crate) mod flows;
 mod gradient;
+mod kepler;
 mod lagrangian;
 mod linear;
 pub(crate) mod lists;

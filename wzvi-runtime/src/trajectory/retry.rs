@@ -530,6 +530,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::TooManyEvents { .. }
         | StepFailure::OffManifold { .. }
         | StepFailure::NoProjection { .. }
+        | StepFailure::Collision { .. }
         | StepFailure::Increments { .. }
         | StepFailure::Dimension { .. }
         | StepFailure::Index(_)

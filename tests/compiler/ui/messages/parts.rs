@@ -37,3 +37,55 @@ struct TwoClocks;
 
 #[hamiltonian(drift = [kinetic = |_, p| 0.5 * p * p, potential = |q, _| q * q], embedding = Verlet)]
 struct Named;
+
+#[hamiltonian(
+    drift = [
+        |[x, y], [u, v]| 0.5 * (u * u + v * v) - 1.0 / (x * x + y * y + soft).sqrt(),
+        |[x, y], _| x * y,
+    ],
+    embedding = Verlet,
+)]
+struct Softened {
+    soft: f64,
+}
+
+#[hamiltonian(
+    drift = [
+        |q: [[f64; 2]; 2], p: [[f64; 2]; 2]| {
+            let kinetic: f64 = p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum();
+            kinetic - 1.0 / q[0][0].hypot(q[0][1]) - 0.1 / (q[0][0] - q[1][0]).hypot(q[0][1] - q[1][1])
+        },
+        |q, _| q[0][0],
+    ],
+    embedding = Verlet,
+)]
+struct Attracted;
+
+#[hamiltonian(
+    drift = [|[x, y], [u, v]| 0.5 * u * u / m + 0.5 * v * v / n - k / x.hypot(y), |[x, y], _| x * y],
+    embedding = Verlet,
+)]
+struct TwoMasses {
+    m: f64,
+    n: f64,
+    k: f64,
+}
+
+#[hamiltonian(
+    drift = [|[x, a, y, b], [u, c, v, d]| 0.5 * (u * u + v * v + c * c + d * d) - 1.0 / x.hypot(y) - 1.0 / a.hypot(b), |[x, a, _, _], _| x * a],
+    embedding = Verlet,
+)]
+struct Interleaved;
+
+#[hamiltonian(
+    drift = [|[x, y], [u, v], t| 0.5 * (u * u + v * v) - t.exp() / x.hypot(y), |[x, y], _| x * y],
+    embedding = Verlet,
+)]
+struct GrowingSun;
+
+#[hamiltonian(
+    drift = [|[x, y], [u, v]| 0.5 * (u * u + v * v) - 1.0 / x.hypot(y), |[x, y], _| x * y],
+    friction = 0.1,
+    embedding = Verlet,
+)]
+struct Braked;

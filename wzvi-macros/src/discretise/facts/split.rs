@@ -7,12 +7,14 @@
 //! |---|---|
 //! | `V(q, t)`, forces `f(q, t)` | kick: `q` is constant, `p' = -∂V/∂q + f` |
 //! | a quadratic form, friction | linear map of `q' = ∂H/∂p`, `p' = -∂H/∂q - γ p` |
+//! | Kepler problems (`facts/kepler.rs`) | Kepler's, of each body by universal variables |
 //!
-//! Every flow of the second kind multiplies `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally
+//! The flow of a quadratic form multiplies `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally
 //! symplectic.
 //!
 //! Tests: `tests/forces/work.rs`.
 
+use super::kepler::{NotKepler, coordinates_of_body};
 use crate::diagnostics::Extent;
 use crate::discretise::is_quadratic;
 use crate::model::{Atom, Index, System, Term};
@@ -24,6 +26,8 @@ pub(crate) enum SummandForm {
     Coordinates,
     Momenta,
     Quadratic,
+    /// Kepler problems of bodies with so many coordinates.
+    Kepler(usize),
 }
 
 /// The parts of a drift, none if it is declared as a whole.
@@ -102,19 +106,31 @@ fn form(system: &mut System, part: usize) -> Result<SummandForm, &'static str> {
     if !term.elements.iter().any(|element| element.reads().q) && conformal.is_none() {
         return Ok(SummandForm::Momenta);
     }
-    if is_timed || !term.elements.iter().all(|element| is_quadratic(graph, element)) {
-        return Err(match conformal {
-            Some(_) => "friction acts in it, and it is not such a polynomial",
-            None => "it contains coordinates and momenta, and is not such a polynomial",
-        });
+    let is_quadratic = term.elements.iter().all(|element| is_quadratic(graph, element));
+    let (is_damped, has_size) = (conformal.is_some(), *size != Index::atom(Atom::Size));
+    let kepler = if is_quadratic { Err(NotKepler::Other) } else { coordinates_of_body(system, part) };
+    let form = match kepler {
+        Ok(_) if is_damped => return Err("friction acts in it, and it is a Kepler problem"),
+        Ok(_) if is_timed => {
+            return Err("it is a Kepler problem whose masses or strengths depend on the time");
+        }
+        Ok(components) => SummandForm::Kepler(components),
+        Err(NotKepler::Nearly(reason)) => return Err(reason),
+        Err(NotKepler::Other) if is_quadratic && !is_timed => SummandForm::Quadratic,
+        Err(NotKepler::Other) if is_damped => {
+            return Err("friction acts in it, and it is not such a polynomial");
+        }
+        Err(NotKepler::Other) => {
+            return Err("it contains coordinates and momenta, and is not such a polynomial");
+        }
+    };
+    match (has_size, is_damped) {
+        (true, _) => Ok(form),
+        (false, true) => Err("friction acts in it, and only the state knows the size of the system"),
+        (false, false) => {
+            Err("it contains coordinates and momenta, and only the state knows the size of the system")
+        }
     }
-    if *size == Index::atom(Atom::Size) {
-        return Err(match conformal {
-            Some(_) => "friction acts in it, and only the state knows the size of the system",
-            None => "it contains coordinates and momenta, and only the state knows the size of the system",
-        });
-    }
-    Ok(SummandForm::Quadratic)
 }
 
 /// Whether a term reads the time.

@@ -2,11 +2,13 @@
 //! integrals. Tests: `tests/forces`.
 
 use proc_macro2::TokenStream;
-use quote::{format_ident, quote};
+use quote::quote;
 
 use super::weighted::ElementEmitter;
 use super::{Derivative, arm};
+use crate::discretise::split::SummandForm;
 use crate::discretise::{Facts, Kinetic, Plans, Role, Sum, Weighted, unweighted};
+use crate::emit::count;
 use crate::emit::overrides::{self, holds};
 use crate::model::{Friction, System, Temperature, Term};
 
@@ -61,7 +63,15 @@ pub(super) fn arms(model: &mut System, derivative: Derivative) -> TokenStream {
 /// The forms of the parts, if the drift is declared in two.
 pub(super) fn forms(plans: &Plans) -> Option<TokenStream> {
     let forms = plans.forms?.map(|form| {
-        let form = format_ident!("{}", format!("{form:?}"));
+        let form = match form {
+            SummandForm::Coordinates => quote!(Coordinates),
+            SummandForm::Momenta => quote!(Momenta),
+            SummandForm::Quadratic => quote!(Quadratic),
+            SummandForm::Kepler(components) => {
+                let components = count(components);
+                quote!(Kepler { components: #components })
+            }
+        };
         quote!(__wzvi::compose::Form::#form)
     });
     Some(quote!(__wzvi::Some([#(#forms),*])))

@@ -1,9 +1,9 @@
 //! The flows of two summands into which the user has split the Hamiltonian: `drift = [H_A, H_B]`.
 //!
 //! Each summand has one of the forms whose flow the compiler knows: a function of the coordinates (a kick), a
-//! function of the momenta (a drift), or a quadratic form in both with constant coefficients (a linear map,
-//! [`LinearFlow`], computed once for each weight). A summand reads the time that the flows of the other one
-//! have reached: time is a coordinate that `H_A` moves.
+//! function of the momenta (a drift), a quadratic form in both with constant coefficients (a linear map,
+//! [`LinearFlow`], computed once for each weight), or a sum of Kepler problems ([`KeplerFlow`]). A summand
+//! reads the time that the flows of the other one have reached: time is a coordinate that `H_A` moves.
 //!
 //! A force `f(q, t)` is included in the kick, `p' = -∂H/∂q + f`. Friction with a single rate is included in
 //! the linear map, `p' = -∂H/∂q - γ p`, which is then conformally symplectic.
@@ -11,6 +11,7 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use super::kepler::KeplerFlow;
 use super::lagrangian::{self, SequenceEnd};
 use super::linear::LinearFlow;
 use super::lists::{
@@ -68,6 +69,11 @@ pub enum Form {
     Momenta,
     /// A polynomial of degree two in coordinates and momenta, with constant coefficients.
     Quadratic,
+    /// Kepler problems of bodies that do not act on each other.
+    Kepler {
+        /// The coordinates of a body, which follow each other.
+        components: usize,
+    },
 }
 
 /// The summands of a system whose drift is declared in two.
@@ -119,6 +125,8 @@ enum SummandFlow<K> {
     Drift(Summand),
     /// A linear map.
     Map(Arc<LinearFlow<K>>),
+    /// Bodies that do not act on each other.
+    Kepler(Arc<KeplerFlow<K>>),
 }
 
 /// Prepares a word, with one map for all parts of the same summand and weight.
@@ -134,31 +142,39 @@ fn prepare<F: Elements, K: Constant>(
 ) -> Result<SummandConstants<K>, ConfigError> {
     let parameters = varied_without_lists(system, lift)?;
     let mut columns = PairColumns::default();
-    let mut known: Vec<(Substep<Summand>, Arc<LinearFlow<K>>)> = Vec::new();
-    let mut flow = |substep: &Substep<Summand>| {
-        let &Substep { part: summand, weight, .. } = substep;
-        match SummandsOf::<F>::FORMS[summand as usize] {
-            Form::Coordinates => return Ok(SummandFlow::Kick(summand)),
-            Form::Momenta => return Ok(SummandFlow::Drift(summand)),
-            Form::Quadratic => {}
+    let mut slopes_of = |summand: Summand, x: &[K], slopes: &mut [K]| {
+        let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
+        let unit = [0.0, 1.0].map(Scalar::from_f64);
+        let varied = K::varied(&parameters);
+        let (at, into) = ([q, p], [&mut *by_q, by_p]);
+        gradient_of_summand::<F, K, true, true>(system, summand, varied, unit, at, into, &mut columns);
+        if F::FACTS.kind.is_conformal {
+            let rate: K = system.friction_rate(&parameters);
+            by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope = *slope + rate * *p);
         }
-        if let Some((_, map)) = known.iter().find(|(of, _)| (of.part, of.weight) == (summand, weight)) {
-            return Ok(SummandFlow::Map(map.clone()));
+    };
+    let mut known: Vec<(Summand, f64, SummandFlow<K>)> = Vec::new();
+    let mut flow = |&Substep { part: summand, weight, .. }: &Substep<Summand>| {
+        let form = SummandsOf::<F>::FORMS[summand as usize];
+        // The flow of bodies takes its time when it acts.
+        let depends_on_weight = form == Form::Quadratic;
+        let is_known = |(of, with, _): &&(Summand, f64, SummandFlow<K>)| {
+            *of == summand && (*with == weight || !depends_on_weight)
+        };
+        if let Some((.., flow)) = known.iter().find(is_known) {
+            return Ok(flow.clone());
         }
-        let map = LinearFlow::new(degrees, h * weight, &mut |x, slopes| {
-            let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
-            let unit = [0.0, 1.0].map(Scalar::from_f64);
-            let varied = K::varied(&parameters);
-            let (at, into) = ([q, p], [&mut *by_q, by_p]);
-            gradient_of_summand::<F, K, true, true>(system, summand, varied, unit, at, into, &mut columns);
-            if F::FACTS.kind.is_conformal {
-                let rate: K = system.friction_rate(&parameters);
-                by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope = *slope + rate * *p);
+        let mut slopes = |x: &[K], slopes: &mut [K]| slopes_of(summand, x, slopes);
+        let flow = match form {
+            Form::Coordinates => SummandFlow::Kick(summand),
+            Form::Momenta => SummandFlow::Drift(summand),
+            Form::Quadratic => SummandFlow::Map(Arc::new(LinearFlow::new(degrees, h * weight, &mut slopes)?)),
+            Form::Kepler { components } => {
+                SummandFlow::Kepler(Arc::new(KeplerFlow::new(degrees, components, &mut slopes)?))
             }
-        });
-        let map = Arc::new(map?);
-        known.push((*substep, map.clone()));
-        Ok(SummandFlow::Map(map))
+        };
+        known.push((summand, weight, flow.clone()));
+        Ok(flow)
     };
     let substeps = word.substeps.iter().map(|substep| Ok(substep.with(flow(substep)?)));
     let word = Word { substeps: substeps.collect::<Result<_, _>>()? };
@@ -203,8 +219,8 @@ impl<F: Elements, E, T, W: Composes<E, T, Part = Summand>> Scheme<F>
         take_parts(system, &mut flows, word, [q, p], dw, memory, carry)
     }
 
-    /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral
-    /// of `p · q' - H`.
+    /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and the other flows the
+    /// integral of `p · q' - H`.
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
         if F::FACTS.kind.is_conformal {
             return f64::NAN;
@@ -235,6 +251,7 @@ impl<E, T, W: Composes<E, T, Part = Summand>> SummandSplitting<ComposedWord<E, T
                     moved.sum::<f64>() - value(*summand)
                 }
                 SummandFlow::Map(map) => map.action(before, [q, p]),
+                SummandFlow::Kepler(bodies) => bodies.action(substep.weight * h, before),
             }
         };
         let mut flows = SummandFlows { system, parameters: &[], t, h };
@@ -291,6 +308,11 @@ impl<F: Elements, K: Constant, S: ComputesWith<K>> ListParts<S, F::Shape, Summan
             }
             SummandFlow::Map(map) => {
                 map.increments([q, p], [&mut *velocity, &mut *force]);
+                add::<S, C>(q, velocity, lost_q);
+                add::<S, C>(p, force, lost_p);
+            }
+            SummandFlow::Kepler(bodies) => {
+                bodies.increments(S::of_constant(h), [q, p], [&mut *velocity, &mut *force])?;
                 add::<S, C>(q, velocity, lost_q);
                 add::<S, C>(p, force, lost_p);
             }
