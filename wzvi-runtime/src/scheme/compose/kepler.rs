@@ -54,7 +54,7 @@ impl<K: Constant> KeplerFlow<K> {
         components: usize,
         slopes: &mut dyn FnMut(&[K], &mut [K]),
     ) -> Result<Self, ConfigError> {
-        let unit = (0..2 * degrees).map(|i| i % degrees % components == 0);
+        let unit = (0..2 * degrees).map(|i| (i % degrees).is_multiple_of(components));
         let at: Vec<K> = unit.map(|is_first| K::from_f64(f64::from(is_first))).collect();
         let mut constants = vec![K::from_f64(0.0); 2 * degrees];
         slopes(&at, &mut constants);
