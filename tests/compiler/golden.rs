@@ -11,6 +11,7 @@ scenes!(
     bath,
     branch,
     chain,
+    clock,
     corrected,
     flows,
     forced,
@@ -43,6 +44,7 @@ macro_rules! steps {
 fn golden_expansions_step() {
     steps!(flows::Perturbed { omega: 1.0, epsilon: 0.1 }, Composed<Verlet, Aba864>, [0.3], [0.2], []);
     steps!(pendulum::Pendulum { omega: 1.0 }, Midpoint, [0.3], [0.2], []);
+    steps!(clock::Kepler { m: 1.0, k: 1.0 }, Verlet, [0.3, 0.1], [0.2, -0.4], []);
     steps!(newton_block::HenonHeiles, Midpoint, [0.3, 0.1], [0.2, -0.4], []);
     steps!(noise::Kubo { a: 1.0, sigma: 0.5 }, Midpoint, [0.3], [0.2], [0.05]);
     steps!(noise::Kubo { a: 1.0, sigma: 0.5 }, Uncorrected<DeltaPlus>, [0.3], [0.2], [0.05]);

@@ -8,10 +8,14 @@
 //! friction becomes a force. Syntax that is no Rust is refused by syn.
 
 use crate::diagnostics::{Diagnostics, Located, facts as messages};
-use crate::discretise::{ConstraintMistake, Facts, Failure, Invariant, KnownSum, NoiseOffManifold};
-use crate::embedding::{Correction, Embedding};
-use crate::model::System;
-use crate::symbolic::{Graph, Rational};
+use crate::discretise::split::SummandForm;
+use crate::discretise::{
+    ConstraintMistake, Facts, Failure, Invariant, KnownSum, NoiseOfClock, NoiseOffManifold, unweighted,
+};
+use crate::embedding::{ClockedEmbedding, Correction, Embedding};
+use crate::model::{Element, System};
+use crate::symbolic::sign::Sign;
+use crate::symbolic::{Expr, Function, Graph, Node, Rational, SymbolKind};
 
 /// Every check, in order; all of them report.
 pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
@@ -21,6 +25,8 @@ pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagno
     check_parts(system, facts, diagnostics);
     check_flows(system, facts, diagnostics);
     check_constraints(system, facts, diagnostics);
+    check_clock(system, facts, diagnostics);
+    check_clocked(system, facts, diagnostics);
 }
 
 /// A bare scheme must converge to the Stratonovich system, for which `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`
@@ -131,5 +137,133 @@ fn check_constraints(system: &mut System, facts: &Facts, diagnostics: &mut Diagn
             let bracket = bracket.unwrap_or_default();
             diagnostics.report(messages::noise_off_manifold(extent, &constraint.number, number, &bracket));
         }
+    }
+}
+
+/// No noise changes the clock, whose density would need its noise.
+fn check_clock(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
+    if let (Some(clock), Some(NoiseOfClock { along, rate })) = (&system.clock, &facts.clock.noise) {
+        let rate = rate.sum.as_ref().map(|sum| facts.space.display(&mut system.graph, sum, Rational::ONE));
+        diagnostics.report(messages::noise_of_clock(clock.term.extent, along, &rate.unwrap_or_default()));
+    }
+}
+
+/// Schemes with steps of other lengths have what their lengths follow from.
+fn check_clocked(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
+    for Located { value: scheme, extent } in &system.clocked.clone() {
+        let (name, inner) = (scheme.to_string(), scheme.base());
+        if system.clock.is_none() && !matches!(scheme, ClockedEmbedding::Logarithmic(..)) {
+            diagnostics.report(messages::no_clock(*extent, &name));
+            continue;
+        }
+        match scheme {
+            ClockedEmbedding::Clocked(_) => {}
+            ClockedEmbedding::Extended(_) => {
+                let reason = beside_drift(system);
+                if let Some(reason) = reason {
+                    diagnostics.report(messages::not_extended(*extent, &name, &inner.to_string(), reason));
+                } else if inner == Embedding::Verlet
+                    && let Some(reason) = not_explicit(system, facts)
+                {
+                    diagnostics.report(messages::extended_verlet(*extent, reason));
+                }
+            }
+            ClockedEmbedding::Logarithmic(..) => {
+                let reason = beside_drift(system).or_else(|| not_separate(system, facts));
+                if let Some(reason) = reason {
+                    diagnostics.report(messages::logarithmic_of_other(*extent, &name, reason));
+                } else if let Some(term) = not_negative(system, facts) {
+                    diagnostics.report(messages::potential_not_negative(*extent, &name, &term));
+                }
+            }
+        }
+    }
+}
+
+/// A sentence on noise, friction or forces, if there are any: no Hamiltonian of the drift contains them.
+fn beside_drift(system: &System) -> Option<&'static str> {
+    if system.noise.iter().any(|noise| !noise.is_force) || system.temperature.is_some() {
+        Some("noise is no part of it")
+    } else if system.friction.is_some() {
+        Some("friction is no part of it")
+    } else if system.has_forces() {
+        Some("forces are no part of it")
+    } else {
+        None
+    }
+}
+
+/// Why `Extended<Verlet>` is not explicit.
+fn not_explicit(system: &System, facts: &Facts) -> Option<&'static str> {
+    let reads_momenta =
+        system.clock.iter().flat_map(|clock| &clock.term.values).any(|element| element.reads().p);
+    if reads_momenta {
+        Some("this clock reads momenta")
+    } else if !facts.is_nystrom || facts.flows.is_none() {
+        Some("the drift has another form")
+    } else {
+        None
+    }
+}
+
+/// Why a drift is not `T(p) + V(q)`.
+fn not_separate(system: &System, facts: &Facts) -> Option<&'static str> {
+    let is_known = match &system.summands[..] {
+        [] => facts.flows.is_some() && !system.drift.values.iter().any(Element::is_collective),
+        _ => facts.summands.known() == Some([SummandForm::Momenta, SummandForm::Coordinates]),
+    };
+    if !facts.energy.is_conservative {
+        Some("the drift depends on the time, or does not conserve the energy")
+    } else if !is_known {
+        Some("the drift is no such sum of a function of the momenta and, after it, one of the coordinates")
+    } else {
+        None
+    }
+}
+
+/// The first term of the potential that is not negative where all parameters are positive, as text.
+fn not_negative(system: &mut System, facts: &Facts) -> Option<String> {
+    let System { graph, drift, .. } = system;
+    let potential = drift.elements.iter().filter(|element| !element.reads().p);
+    let potential: Vec<Element> = potential.cloned().collect();
+    let mut has_terms = false;
+    for element in potential {
+        let terms = match graph.node(element.value).clone() {
+            Node::Sum { terms, constant } => {
+                let one = graph.integer(1);
+                terms.iter().copied().chain([(one, constant)]).filter(|(_, c)| !c.is_zero()).collect()
+            }
+            _ => vec![(element.value, Rational::ONE)],
+        };
+        for (term, coefficient) in terms {
+            has_terms = true;
+            if coefficient.is_negative() && is_positive(graph, term) {
+                continue;
+            }
+            let value = graph.scale(term, coefficient);
+            let term = Element { value, ..element.clone() };
+            return Some(facts.space.display(graph, &unweighted(&[term]), Rational::ONE));
+        }
+    }
+    if has_terms { None } else { Some("0".to_owned()) }
+}
+
+/// Whether an expression is positive wherever it is defined and parameters are positive.
+fn is_positive(graph: &Graph, expr: Expr) -> bool {
+    if graph.sign(expr) == Sign::Positive {
+        return true;
+    }
+    match graph.node(expr) {
+        Node::Symbol(symbol) => graph.kind_of(*symbol) == SymbolKind::Parameter,
+        Node::Sum { terms, constant } => {
+            !constant.is_negative()
+                && terms.iter().all(|&(term, c)| !c.is_negative() && is_positive(graph, term))
+        }
+        Node::Product(factors) => factors.iter().all(|&(base, exponent)| {
+            is_positive(graph, base) || exponent.is_negative() && graph.sign(base) >= Sign::Nonnegative
+        }),
+        // A root of a square that is divided by is among products.
+        Node::Apply(Function::Sqrt | Function::Exp, arguments) => is_positive(graph, arguments[0]),
+        _ => false,
     }
 }

@@ -17,6 +17,7 @@ use crate::functions;
 use crate::input::{self, Library};
 use crate::lower::lower;
 use crate::model::{Form, System};
+use crate::passes::clock::clock;
 use crate::passes::collect::collect;
 use crate::passes::divisors::divisors;
 use crate::passes::friction::friction;
@@ -139,6 +140,10 @@ fn analyse_in_form(system: &mut System, diagnostics: &mut Diagnostics) -> Option
     collect(system, diagnostics);
     ito(system, diagnostics);
     friction(system, diagnostics);
+    if diagnostics.has_errors() {
+        return None;
+    }
+    clock(system, diagnostics);
     if diagnostics.has_errors() {
         return None;
     }

@@ -9,6 +9,7 @@ use quote::{ToTokens, quote};
 use crate::diagnostics::{closest, promised, quoted};
 use crate::symbolic::Rational;
 
+mod clocked;
 mod points;
 mod word;
 
@@ -38,12 +39,17 @@ pub(crate) fn listed() -> String {
     let (schemes, thermostats) = (listed(&SCHEMES), listed(&thermostats));
     let [first, second] = CONSTRAINED.map(|scheme| listed(&[scheme]));
     let last = listed(&[last]);
-    format!("{schemes}, with friction {thermostats} and {last}, and with constraints {first} and {second}")
+    let [clocked @ .., last_clocked] = CLOCKED;
+    let (clocked, last_clocked) = (listed(&clocked), listed(&[last_clocked]));
+    format!(
+        "{schemes}, with friction {thermostats} and {last}, with constraints {first} and {second}, and with a clock \
+         {clocked} and {last_clocked}"
+    )
 }
 
 /// The names of schemes, which are no types of the program.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    let all = SCHEMES.into_iter().chain(THERMOSTATS).chain(CONSTRAINED);
+    let all = SCHEMES.into_iter().chain(THERMOSTATS).chain(CONSTRAINED).chain(CLOCKED);
     all.map(|(name, _)| name).chain(["Splitting"])
 }
 
@@ -59,10 +65,16 @@ pub(crate) fn meant(word: &str) -> Option<&'static str> {
         "GJI" => "GjI",
         "RATTLE" | "SHAKE" | "Shake" => "Rattle",
         "GBAOAB" | "gBAOAB" | "GeodesicBaoab" => "GBaoab",
+        "Adaptive" | "Density" | "TimeTransformed" => "Clocked",
+        "Poincare" | "ExtendedPhaseSpace" => "Extended",
+        "LogarithmicHamiltonian" | "LogH" => "Logarithmic",
         _ => return closest(word, names()),
     })
 }
 
+use clocked::CLOCKED;
+
+pub(crate) use clocked::ClockedEmbedding;
 pub(crate) use points::{Declared, Points};
 pub(crate) use word::{Letter, LetterKind, MOST_LETTERS, Word};
 
@@ -223,6 +235,20 @@ impl Embedding {
     /// Whether its steps stay on the manifold of constraints.
     pub(crate) fn keeps_constraints(&self) -> bool {
         matches!(self, Self::Rattle | Self::GBaoab)
+    }
+
+    /// Whether a step backwards undoes a step, however long both are.
+    pub(crate) fn is_symmetric(&self) -> bool {
+        match self {
+            Self::Thermostat(inner) | Self::Isolated(inner) => inner.is_symmetric(),
+            word if word.is_word() => word.letters().is_some_and(|word| word.is_symmetric()),
+            _ => self.points().iter().all(Points::are_symmetric),
+        }
+    }
+
+    /// Whether its steps may differ in length, by a clock around it.
+    pub(crate) fn takes_clocks(&self) -> bool {
+        matches!(self, Self::Midpoint | Self::Verlet | Self::Gauss(_))
     }
 
     pub(crate) fn correction(&self) -> Correction {

@@ -43,6 +43,8 @@ keys! {
     Invariant = "invariant",
     /// A function of coordinates and time that is zero along every path.
     Constraint = "constraint",
+    /// The wanted length of a step, up to a factor: a function of the state, or how it is derived.
+    Clock = "clock",
     /// The path of the facade.
     Crate = "crate",
 }

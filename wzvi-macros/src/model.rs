@@ -17,7 +17,7 @@ pub(crate) use self::collective::{Collective, CollectiveRole, CollectiveSlot, Co
 pub(crate) use self::index::{Atom, Bounds, Index, IndexOperation, Loop, Outlier};
 use self::symbols::Symbols;
 use crate::diagnostics::{Extent, Located, promised};
-use crate::embedding::Embedding;
+use crate::embedding::{ClockedEmbedding, Embedding};
 use crate::input::{Labels, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};
 
@@ -220,6 +220,32 @@ pub(crate) struct Temperature {
     pub(crate) reads_time: bool,
 }
 
+/// How a clock is found.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum ClockKind {
+    /// It is the user's closure.
+    Function,
+    /// From the second derivatives of the drift.
+    Curvature,
+    /// From the bonds of pairs.
+    Pairs,
+}
+
+/// The clock `Q`: a step has the length `Q` times a constant.
+#[derive(Clone)]
+pub(crate) struct Clock {
+    pub(crate) kind: ClockKind,
+    /// `Q`. Until the pass on clocks derives it, of a curvature the frequency that is added, zero if there is
+    /// none.
+    pub(crate) term: Term,
+    /// `G = -d ln Q/dt` along the drift with its forces and friction.
+    pub(crate) rate: Vec<Element>,
+    /// `Q` and `G` as text.
+    pub(crate) text: String,
+    /// The numbers of the collective variables that were made for it.
+    pub(crate) collectives: Vec<u32>,
+}
+
 /// The members `0..count` of a family of noises or constraints; `variable` is the loop variable that counts
 /// them. It is the outermost loop of every element of the family.
 #[derive(Clone)]
@@ -288,6 +314,9 @@ pub(crate) struct System {
     /// In the order of their multipliers.
     pub(crate) constraints: Vec<FamilyTerm>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
+    pub(crate) clock: Option<Clock>,
+    /// The schemes with steps of lengths of their own.
+    pub(crate) clocked: Vec<Located<ClockedEmbedding>>,
     /// The struct: attributes, visibility, name, generics and fields, to be emitted unchanged.
     pub(crate) item: syn::ItemStruct,
     /// Path of the facade crate as the user's crate knows it, `::wzvi` by default.
@@ -320,8 +349,9 @@ impl System {
         let bath = self.friction.iter().map(|friction| &friction.term);
         let bath = bath.chain(self.temperature.iter().map(|temperature| &temperature.term));
         let constraints = self.constraints.iter().map(|constraint| &constraint.term);
+        let clock = self.clock.iter().map(|clock| &clock.term);
         let all = [&self.drift].into_iter().chain(noise).chain(&self.invariants).chain(&self.force);
-        all.chain(bath).chain(constraints)
+        all.chain(bath).chain(constraints).chain(clock)
     }
 
     /// The elements of what moves the system, for derivatives: the drift, the force beside it, the noises.
@@ -352,6 +382,16 @@ impl System {
             format!(" (the conversion from Ito to Stratonovich adds the force {force}, as virtual work)")
         };
         force.map_or_else(String::new, said)
+    }
+
+    /// Whether a scheme steps in the extended phase space.
+    pub(crate) fn is_extended(&self) -> bool {
+        self.clocked.iter().any(|known| matches!(known.value, ClockedEmbedding::Extended(_)))
+    }
+
+    /// Whether a scheme steps by logarithms of the energies, which it takes from both parts of the drift.
+    pub(crate) fn is_logarithmic(&self) -> bool {
+        self.clocked.iter().any(|known| matches!(known.value, ClockedEmbedding::Logarithmic(..)))
     }
 
     /// Whether covectors stand beside the Hamiltonians, with noise or without.

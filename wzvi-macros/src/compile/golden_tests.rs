@@ -12,7 +12,7 @@ use super::expand;
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/compiler/golden");
 
 /// Name, the attribute's arguments, the struct.
-pub(super) const SCENES: [(&str, &str, &str); 16] = [
+pub(super) const SCENES: [(&str, &str, &str); 17] = [
     (
         "pendulum",
         "drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = Midpoint",
@@ -110,6 +110,12 @@ pub(super) const SCENES: [(&str, &str, &str); 16] = [
         "drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * (p[i] * p[i] + q[i] * q[i])).sum::<f64>(), \
          noise = [|q, p, k| sigma * q[k]; self.sites], embedding = Midpoint",
         "pub struct Bath { pub sigma: f64, pub sites: usize }",
+    ),
+    (
+        "clock",
+        "drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) / m - k / (x * x + y * y).sqrt(), clock = curvature, \
+         embedding = Clocked<Verlet>",
+        "pub struct Kepler { pub m: f64, pub k: f64 }",
     ),
     (
         "rod",

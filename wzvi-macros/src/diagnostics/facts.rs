@@ -87,6 +87,44 @@ messages! {
     noise_off_manifold(found, constraint: &str, noise: &str, bracket: &str) = "noise H{noise} moves the system off the manifold of this constraint: \
         {{g{constraint}, H{noise}}} = {bracket} does not vanish, and a multiplier that grows as 1/√h would bring it back; take a noise \
         that reads coordinates, or one whose flow keeps the constraint, as a rotation keeps a length";
+    no_clock(found, scheme: &str) = "`{scheme}` needs a clock: add `clock = curvature`, or the wanted length of a step up to a factor, \
+        `clock = |q, p| ...`";
+    clock_on_manifold(found) = "there is no clock on a manifold of constraints: leave it out, or choose coordinates without constraints";
+    clock_is_zero(found) = "this clock is zero: it is the wanted length of a step up to a factor, and positive";
+    /// A clock whose indices the compiler cannot write.
+    clock_of_elements(found) = "the rate of this clock cannot be written: its indices exceed 128 bits";
+    clock_of_bath(found) = "a bath acts on every momentum, by noise and friction that are no part of this clock's rate: let it read \
+        coordinates only, `clock = |q, _| ...`";
+    /// `{{H_k, Q}}` of a noise does not vanish.
+    noise_of_clock(found, along: &str, rate: &str) = "a noise changes this clock: {along} = {rate} does not vanish, and the length of a step would \
+        depend on its own noise; take a clock that noises leave as it is: one that reads coordinates only, where noises read \
+        coordinates only or are forces";
+    frequency_in_loops(found) = "the frequency of `curvature(w0)` is one number of fields, such as `curvature(self.w0)`";
+    curvature_of_many(found, most: usize) = "`curvature` has a term for each pair of coordinates, and is derived for up to {most} of them, whose \
+        number and places are known when this compiles: write `clock = pairs` if the potential is a sum over pairs, or a clock of \
+        your own, `clock = |q, p| ...`";
+    curvature_of_linear(found) = "V'' = 0, constant steps are exact: leave the clock out, or write one of your own, `clock = |q, p| ...`";
+    /// A clock that is infinite at a point.
+    curvature_vanishes(found, place: &str) = "V'' vanishes where {place} if all parameters are 1, and this clock is infinite there: write \
+        `curvature(w0)`, which adds the fourth power of a frequency `w0` of the system, a field or a number";
+    pairs_without_masses(found) = "`pairs` needs masses: a kinetic energy that is a sum of squares of the momenta with constant coefficients, as in \
+        `p * p / (2.0 * m)`; write `clock = curvature`, or a clock of your own, `clock = |q, p| ...`";
+    no_pairs(found) = "the potential is no sum over pairs: no term reads two points; write `clock = curvature`, or a clock of your own, \
+        `clock = |q, p| ...`";
+    no_pair(found, term: &str) = "`pairs` needs a potential that is a sum over pairs, each a function of the distance of two points, and \
+        {term} is none; write `clock = curvature`, or a clock of your own, `clock = |q, p| ...`";
+    masses_of_components(found) = "`pairs` needs one mass for all components of a point; write `clock = curvature`, or a clock of your own, \
+        `clock = |q, p| ...`";
+    /// A scheme in the extended phase space beside something that is no part of `Q (H0 + p_t)`.
+    not_extended(found, scheme: &str, inner: &str, reason: &str) = "`{scheme}` takes steps of the Hamiltonian Q (H0 + p_t), and {reason}; write \
+        `Clocked<{inner}>`";
+    extended_verlet(found, reason: &str) = "`Extended<Verlet>` is explicit for p · M⁻¹ p/2 + V(q, t) with a clock of the coordinates, and {reason}; \
+        write `Extended<Gauss<8>>` or `Clocked<Verlet>`";
+    logarithmic_of_other(found, scheme: &str, reason: &str) = "`{scheme}` takes steps of f(T(p) + p_t) - f(-V(q)): {reason}; write `Clocked<Verlet>` \
+        with `clock = curvature`";
+    /// A potential that is not proven to be negative.
+    potential_not_negative(found, scheme: &str, term: &str) = "`{scheme}` needs V < 0, and the term {term} of V is not proven to be negative \
+        where all parameters are positive; write `Clocked<Verlet>` with `clock = curvature`";
     /// A declared first integral that changes, or may change, along the flow of the drift or of a noise. At
     /// the boundary of a branch and for a bath there is no `rate`.
     no_invariant(found, along: &str, rate: Option<&str>, knowledge: &Knowledge, graph: &Graph) {

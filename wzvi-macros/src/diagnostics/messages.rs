@@ -140,13 +140,36 @@ messages! {
     composed(found, base: &syn::Type) {
         base = source(base);
         scheme = source(&found);
+        is_clocked = ["Clocked", "Extended", "Logarithmic"].iter().any(|clock| base.starts_with(clock));
+        step = if is_clocked { "Eps(0.3)" } else { "h" };
     } = "compositions are not listed: list `{base}`, \
-        and name the composition where it runs, `simulate::<{scheme}>(h)`";
+        and name the composition where it runs, `simulate::<{scheme}>({step})`";
     composed_alone(found) = "compositions are not listed: list the scheme that is composed, as in `embedding = Verlet`, and name the \
         composition where it runs, `simulate::<Composed<Verlet, Yoshida4>>(h)`";
     /// The weights of a composition in the place of a scheme.
     weights_alone(found) { scheme = source(&found); } = "`{scheme}` composes steps of another scheme, and is not listed: list that \
         scheme, as in `embedding = Verlet`, and name the composition where it runs, `simulate::<Composed<Verlet, {scheme}>>(h)`";
+    not_a_clock(found) = "a clock is `curvature`, `curvature(w0)` with a frequency `w0`, `pairs`, or a closure whose value is the \
+        wanted length of a step up to a factor, `clock = |q, p| ...`";
+    unsymmetric_clocked(found, scheme: &impl Display) = "a clock needs a symmetric scheme, which a step backwards undoes, and `{scheme}` is \
+        none: write `Clocked<Verlet>`, `Clocked<Midpoint>` or `Clocked<Gauss<8>>`";
+    /// `Clocked<Baoab>`
+    clock_around_other(found, scheme: &impl Display) = "a clock goes around `Verlet`, `Midpoint` or `Gauss<S>`, and around their compositions where \
+        these run; `{scheme}` has steps of one size";
+    clocked_constraints(found, scheme: &impl Display) = "there is no clock on a manifold of constraints; write `{scheme}`, with steps of one size";
+    /// `Extended<Midpoint>`
+    extended_of_other(found, scheme: &impl Display) = "steps in the extended phase space are known for `Gauss<S>` with 2 to 16 stages and for \
+        `Verlet`; write `Extended<Gauss<8>>`, or `Clocked<{scheme}>` if that scheme is symmetric";
+    clock_inside_clock(found) = "a scheme has one clock; list the schemes one by one";
+    /// A scheme with a clock inside of a thermostat.
+    clock_inside(found) { scheme = source(&found); } = "`{scheme}` is listed by itself: its clock is around a whole step of a system without a bath, \
+        as in `Clocked<Verlet>`";
+    logarithmic_exponent(found) = "the arguments of `Logarithmic<N, D>` are two integers above 0, whose quotient is the exponent of its \
+        clock: `Logarithmic<1, 1>` is the logarithmic Hamiltonian";
+    clocked_composition(found, clock: &str, base: &syn::Type) {
+        base = source(base);
+        scheme = source(&found);
+    } = "compositions are not listed: list `{clock}<{base}>`, and name the composition where it runs, `simulate::<{scheme}>(Eps(0.3))`";
     closure_arity(patterns, found: usize) { plural = if found == 1 { "" } else { "s" }; } = "a Hamiltonian takes \
         coordinates, momenta and, if it needs it, time; this takes {found} parameter{plural}: {PATTERNS}";
     constraint_arity(patterns, found: usize) { plural = if found == 1 { "" } else { "s" }; } = "a constraint takes coordinates and, \
@@ -214,6 +237,7 @@ fn synonym(name: &str) -> Option<Key> {
         "diffusion" | "stochastic" => Some(Key::Noise),
         "scheme" | "schemes" | "method" | "integrator" | "quadrature" => Some(Key::Embedding),
         "integral" | "first_integral" | "conserved" | "casimir" => Some(Key::Invariant),
+        "time_transformation" | "density" | "monitor" | "adaptive" => Some(Key::Clock),
         "constraints" | "holonomic" | "rods" | "manifold" => Some(Key::Constraint),
         _ => None,
     }

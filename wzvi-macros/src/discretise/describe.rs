@@ -19,7 +19,7 @@ use crate::discretise::{
     Block, Facts, NoiseClass, Scheme, Solution, StepSymbols, Unknown, family_of, modified, unweighted,
 };
 use crate::embedding::{Embedding, Points};
-use crate::model::{CollectiveRole, Conversion, Family, FamilyTerm, Form, Noise, System, Term};
+use crate::model::{Collective, CollectiveRole, Conversion, Family, FamilyTerm, Form, Noise, System, Term};
 use crate::symbolic::{Graph, Knowledge, Rational};
 
 /// The text of one scheme, from the discrete Lagrangian to the step.
@@ -36,7 +36,17 @@ pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
     let (numbers, constraint_numbers) = (system.noise_numbers(), system.constraint_numbers());
     let line = system.line.clone().filter(|_| system.form == Form::StraightLines);
     let System {
-        graph, drift, summands: parts, noise, constraints, force, conformal, conversion, names, ..
+        graph,
+        drift,
+        summands: parts,
+        noise,
+        constraints,
+        force,
+        conformal,
+        conversion,
+        clock,
+        names,
+        ..
     } = system;
     let text = &mut String::new();
     let value =
@@ -86,9 +96,12 @@ pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
         }
     }
     let collectives = facts.space.collectives();
-    if !collectives.is_empty() {
+    let of_clock = |number: u32| clock.as_ref().is_some_and(|clock| clock.collectives.contains(&number));
+    let of_system = collectives.all().iter().filter(|known| !of_clock(known.slot.number));
+    let of_system: Vec<&Collective> = of_system.collect();
+    if !of_system.is_empty() {
         say!(text, "\nCollective variables, and the slopes by these");
-        for known in collectives.all() {
+        for known in of_system {
             let name = graph.symbol_name(known.symbol).to_owned();
             let of = match known.role {
                 CollectiveRole::Sum => String::new(),

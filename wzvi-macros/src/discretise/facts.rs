@@ -2,6 +2,7 @@
 //! They are proven for sums of elements, at all sizes. Tests: `tests/steps/plan.rs`,
 //! `discretise/sums/tests.rs`.
 
+use self::clock::{ClockFacts, clock_facts};
 use self::constraints::Constraint;
 use self::flows::{Flows, is_nystrom};
 use self::forces::{Forces, commuting_forces};
@@ -16,6 +17,7 @@ use crate::embedding::{Correction, Embedding};
 use crate::model::{Atom, Element, Half, Index, Reads, System, Term};
 use crate::symbolic::{Graph, Knowledge, Rational, Symbol};
 
+pub(crate) mod clock;
 pub(crate) mod constraints;
 pub(crate) mod flows;
 mod forces;
@@ -103,6 +105,7 @@ pub(crate) struct Facts {
     pub(crate) has_several_noises: bool,
     pub(crate) invariants: Vec<Invariant>,
     pub(crate) constraints: Vec<Constraint>,
+    pub(crate) clock: ClockFacts,
     /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor
     /// increments.
     pub(crate) has_constant_curvature: bool,
@@ -210,6 +213,7 @@ impl Facts {
         let declared = system.invariants.iter().zip(&system.invariant_names);
         let declared = declared.map(|(term, name)| (term.extent, name.clone(), unweighted(&term.values)));
         let declared: Vec<(Extent, String, Sum)> = declared.collect();
+        let clock = system.clock.as_ref().map(|clock| unweighted(&clock.term.values));
         let sums = &mut Calculus { space: &mut space, graph: &mut system.graph };
         let driven: Sum = noise.concat();
         let [noise_contraction, counter_term] =
@@ -226,6 +230,7 @@ impl Facts {
         let mut constraints = constraints::constraints(system);
         let sums = &mut Calculus { space: &mut space, graph: &mut system.graph };
         constraints::examine(sums, &hamiltonians, &mut constraints);
+        let clock = clock_facts(sums, &hamiltonians, clock);
         let energy_form = match energy.is_conserved {
             Knowledge::Proven if constraints.is_empty() => invariants::form_of(sums, &hamiltonians, drift),
             _ => PreservedForm::NONE,
@@ -272,6 +277,7 @@ impl Facts {
             has_several_noises,
             invariants,
             constraints,
+            clock,
             numbers: hamiltonians.numbers,
             drift: hamiltonians.drift,
             space,

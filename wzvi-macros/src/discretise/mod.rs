@@ -20,6 +20,7 @@ pub(crate) mod sums;
 pub(crate) mod unknown;
 
 pub(crate) use self::equations::Equations;
+pub(crate) use self::facts::clock::{DriftFlow, NoiseOfClock};
 pub(crate) use self::facts::constraints::{ConstraintMistake, NoiseOffManifold};
 pub(crate) use self::facts::flows::Flows;
 pub(crate) use self::facts::kinetic::Kinetic;

@@ -174,7 +174,12 @@ fn is_affine(system: &mut System, facts: &Facts, Quadrature { stages }: &Quadrat
                     elements.extend(products.map(|weighted| &weighted.element));
                 }
                 // No quadrature evaluates these.
-                Role::Summand(_) | Role::Friction | Role::Temperature | Role::Integral(_) => {}
+                Role::Summand(_)
+                | Role::Friction
+                | Role::Temperature
+                | Role::Integral(_)
+                | Role::Clock
+                | Role::ClockRate => {}
             }
         }
         let symbols = |half: Half, element: &Element| -> Vec<Symbol> {
@@ -216,7 +221,12 @@ fn unknowns(model: &mut System, facts: &Facts, Quadrature { stages }: &Quadratur
         Role::Force => varying_force,
         Role::CounterTerm => true,
         // No quadrature evaluates these.
-        Role::Summand(_) | Role::Friction | Role::Temperature | Role::Integral(_) => false,
+        Role::Summand(_)
+        | Role::Friction
+        | Role::Temperature
+        | Role::Integral(_)
+        | Role::Clock
+        | Role::ClockRate => false,
     };
     // The counter-term reads coordinates and momenta.
     let is_simple = |(role, _): &(Role, Rational)| *role != Role::CounterTerm;

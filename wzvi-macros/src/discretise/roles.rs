@@ -30,6 +30,10 @@ pub(crate) enum Role {
     Temperature,
     /// A first integral, by its number.
     Integral(usize),
+    /// `Q`, the clock.
+    Clock,
+    /// `-d ln Q/dt`
+    ClockRate,
 }
 
 /// The elements with one role.

@@ -18,7 +18,7 @@ use quote::{ToTokens, quote};
 use crate::describe::Texts;
 use crate::discretise::{Facts, Plans, Step};
 use crate::embedding::Embedding;
-use crate::model::System;
+use crate::model::{Clock, System};
 
 pub(crate) use names::Namer;
 use names::readable;
@@ -38,6 +38,7 @@ pub(crate) struct Expansion {
 pub(crate) fn emit(system: &mut System, facts: &Facts, plans: &Plans, texts: &Texts) -> Expansion {
     let mut generated = terms::elements(system, facts, plans);
     generated.extend(terms::constraints(system, facts));
+    generated.extend(clock(system));
     let stepped = plans.stepped();
     let is_alone = stepped.len() == 1;
     for plan in stepped {
@@ -65,7 +66,7 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, plans: &Plans, texts: &Te
         };
         #type_checks
     };
-    Expansion { doc: documentation(plans, texts), item: system.item.clone(), implementations }
+    Expansion { doc: documentation(system, plans, texts), item: system.item.clone(), implementations }
 }
 
 /// The user's tokens in the implementations: the struct with its generics, and the tokens in `read`. Types of
@@ -80,10 +81,38 @@ fn with_header<'t>(item: &syn::ItemStruct, read: impl Iterator<Item = &'t TokenS
 }
 
 /// The equations as rustdoc of the struct.
-fn documentation(plans: &Plans, texts: &Texts) -> TokenStream {
+fn documentation(system: &System, plans: &Plans, texts: &Texts) -> TokenStream {
+    let clock = system.clock.iter().map(|clock| format!("```text\n{}```\n", clock.text));
     let blocks = plans.listed.iter().map(|listed| format!("```text\n{}\n```\n", texts.of(listed)));
-    let text = format!("\n# Discrete equations\n\n{}", blocks.collect::<Vec<_>>().join("\n"));
+    let text = format!("\n# Discrete equations\n\n{}", clock.chain(blocks).collect::<Vec<_>>().join("\n"));
     quote!(#[doc = #text])
+}
+
+/// `impl Clock`, and what schemes with steps of other lengths take for granted.
+fn clock(system: &System) -> TokenStream {
+    let mut generated = TokenStream::new();
+    if let Some(Clock { text, .. }) = &system.clock {
+        let body = quote! {
+            const CLOCK: &'static __wzvi::str = #text;
+        };
+        generated.extend(implementation(&system.item, &quote!(__wzvi::clock::Clock), &body));
+    }
+    if system.is_extended() {
+        let values = system.clock.iter().flat_map(|clock| &clock.term.values);
+        let reads_time = values.into_iter().any(|element| element.reads_time(&system.graph, system.t));
+        // The time in the drift is a fact of the system.
+        let reads_time = reads_time.then(|| {
+            quote!(
+                const READS_TIME: __wzvi::bool = true;
+            )
+        });
+        generated.extend(implementation(&system.item, &quote!(__wzvi::clock::Extends), &quote!(#reads_time)));
+    }
+    if system.is_logarithmic() {
+        let attractive = quote!(__wzvi::clock::Attractive);
+        generated.extend(implementation(&system.item, &attractive, &TokenStream::new()));
+    }
+    generated
 }
 
 /// `impl Trait for` the struct.

@@ -11,7 +11,7 @@ use syn::{ExprClosure, Path, Token, token};
 use super::attributes::{self, MacroKind};
 use super::{Library, embeddings, groups, nesting};
 use crate::diagnostics::{Diagnostics, Extent, Located, messages};
-use crate::embedding::{Embedding, listed};
+use crate::embedding::{ClockedEmbedding, Embedding, listed};
 use crate::key::Key;
 use crate::tokens::is_punct;
 
@@ -21,8 +21,12 @@ pub(crate) struct Declaration {
     pub(crate) friction: Option<DeclaredFriction>,
     /// `kT`
     pub(crate) temperature: Option<DeclaredValue>,
-    /// The embeddings, with the types as written.
-    pub(crate) embeddings: Vec<(Located<Embedding>, syn::Type)>,
+    /// How the clock is given; a closure is among `closures`.
+    pub(crate) clock: Option<Located<DeclaredClock>>,
+    /// The embeddings, with the types as written; without one where only a clock around it is listed.
+    pub(crate) embeddings: Vec<(Located<Embedding>, Option<syn::Type>)>,
+    /// The schemes with steps of other lengths, whose embeddings are among `embeddings`.
+    pub(crate) clocked: Vec<(Located<ClockedEmbedding>, syn::Type)>,
     /// Whether `embeddings` is complete: none was misspelled.
     pub(crate) all_embeddings_known: bool,
     /// The place of `Ito` in the source, if noises are in that sense.
@@ -40,10 +44,45 @@ impl Declaration {
 
     /// Every closure over phase space, the drift first, those with numbers as values before covectors.
     pub(crate) fn in_order(&self) -> impl Iterator<Item = &Hamiltonian> {
-        [Key::Drift, Key::Noise, Key::Invariant, Key::Force, Key::NoiseForce, Key::Constraint]
+        [Key::Drift, Key::Noise, Key::Invariant, Key::Force, Key::NoiseForce, Key::Constraint, Key::Clock]
             .into_iter()
             .flat_map(|key| self.of(key))
     }
+
+    /// The schemes as types of the facade, each with the type as which it was written.
+    pub(crate) fn written_schemes(&self) -> Vec<(TokenStream, &syn::Type)> {
+        let root = &self.crate_path;
+        let clocked = self.clocked.iter().map(|(known, written)| (known.value.path(root), written));
+        let plain = self
+            .embeddings
+            .iter()
+            .filter_map(|(known, written)| Some((known.value.path(root), written.as_ref()?)));
+        plain.chain(clocked).collect()
+    }
+
+    /// The expressions of fields, of the time or of coordinates alone.
+    pub(crate) fn given(&self) -> impl Iterator<Item = &DeclaredValue> {
+        let friction = self.friction.iter().map(|friction| &friction.given);
+        friction.chain(&self.temperature).chain(self.frequency())
+    }
+
+    /// The frequency in `clock = curvature(w0)`.
+    pub(crate) fn frequency(&self) -> Option<&DeclaredValue> {
+        match &self.clock.as_ref()?.value {
+            DeclaredClock::Curvature(frequency) => frequency.as_deref(),
+            DeclaredClock::Function | DeclaredClock::Pairs => None,
+        }
+    }
+}
+
+/// How a clock is given.
+pub(crate) enum DeclaredClock {
+    /// By a closure.
+    Function,
+    /// From the second derivatives of the drift, and a frequency that is added to them.
+    Curvature(Option<Box<DeclaredValue>>),
+    /// From the bonds of pairs.
+    Pairs,
 }
 
 /// `friction` or `damping`.
@@ -87,7 +126,9 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         closures: Vec::new(),
         friction: None,
         temperature: None,
+        clock: None,
         embeddings: Vec::new(),
+        clocked: Vec::new(),
         all_embeddings_known: false,
         ito: None,
         crate_path: syn::parse_quote!(::wzvi),
@@ -147,9 +188,25 @@ fn read_entry(declaration: &mut Declaration, key: Key, entry: &Entry, diagnostic
             declaration.friction = given.map(|given| DeclaredFriction { is_matrix, given });
         }
         Key::Temperature => declaration.temperature = diagnostics.accept(entry.given()),
+        Key::Clock => {
+            let extent = Extent::of(&entry.value);
+            let is_closure = |input: ParseStream<'_>| {
+                let is_closure = is_closure(input);
+                input.parse::<TokenStream>().map(|_| is_closure)
+            };
+            let value = match is_closure.parse2(entry.value.clone()) {
+                Ok(true) => {
+                    let only = |input: ParseStream<'_>| Ok(vec![hamiltonian(input)?]);
+                    declaration.closures.extend(entry.closures(key, only, diagnostics));
+                    Some(DeclaredClock::Function)
+                }
+                _ => diagnostics.accept(entry.parse(clock)),
+            };
+            declaration.clock = value.map(|value| Located { value, extent });
+        }
         Key::Embedding => {
             let before = diagnostics.count();
-            declaration.embeddings = entry.embeddings(diagnostics);
+            (declaration.embeddings, declaration.clocked) = entry.embeddings(diagnostics);
             declaration.all_embeddings_known = diagnostics.count() == before;
         }
         Key::Calculus => declaration.ito = diagnostics.accept(entry.parse(calculus)).flatten(),
@@ -212,8 +269,8 @@ impl Entry {
         list
     }
 
-    fn embeddings(&self, diagnostics: &mut Diagnostics) -> Vec<(Located<Embedding>, syn::Type)> {
-        let Some(schemes) = diagnostics.accept(self.parse(scheme_list)) else { return Vec::new() };
+    fn embeddings(&self, diagnostics: &mut Diagnostics) -> embeddings::Listed {
+        let Some(schemes) = diagnostics.accept(self.parse(scheme_list)) else { return Default::default() };
         if schemes.is_empty() {
             diagnostics.report(messages::no_scheme(&self.value, &listed()));
         }
@@ -221,13 +278,17 @@ impl Entry {
     }
 }
 
-fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
-    let starts = input.peek(Token![|])
+/// Whether a value starts as a closure.
+fn is_closure(input: ParseStream<'_>) -> bool {
+    input.peek(Token![|])
         || input.peek(Token![||])
         || input.peek(Token![move])
         || input.peek(Token![async])
-        || input.peek(Token![for]);
-    if !starts {
+        || input.peek(Token![for])
+}
+
+fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
+    if !is_closure(input) {
         let found: TokenTree = input.parse()?;
         input.parse::<TokenStream>()?;
         return Err(messages::not_a_closure(found));
@@ -306,6 +367,28 @@ fn member(input: ParseStream<'_>, may_be_family: bool) -> syn::Result<Hamiltonia
         }
     }
     Ok(member)
+}
+
+/// `curvature`, `curvature(w0)` or `pairs`.
+fn clock(input: ParseStream<'_>) -> syn::Result<DeclaredClock> {
+    let tokens: TokenStream = input.fork().parse()?;
+    let name: Ident = input.parse().map_err(|_| messages::not_a_clock(&tokens))?;
+    let clock = match name.to_string().as_str() {
+        "pairs" => DeclaredClock::Pairs,
+        "curvature" if !input.peek(token::Paren) => DeclaredClock::Curvature(None),
+        "curvature" => {
+            let content;
+            syn::parenthesized!(content in input);
+            let given: TokenStream = content.fork().parse()?;
+            let value = content.parse().map_err(|_| messages::not_a_clock(&tokens))?;
+            if !content.is_empty() {
+                return Err(messages::not_a_clock(&tokens));
+            }
+            DeclaredClock::Curvature(Some(Box::new(DeclaredValue { value, tokens: given })))
+        }
+        _ => return Err(messages::not_a_clock(&tokens)),
+    };
+    if input.is_empty() { Ok(clock) } else { Err(messages::not_a_clock(input.parse::<TokenStream>()?)) }
 }
 
 /// The sense of the stochastic integral: the place of `Ito`.

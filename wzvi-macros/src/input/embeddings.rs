@@ -6,7 +6,9 @@ use syn::{Expr, GenericArgument, Path, PathArguments, Token, Type, TypeTuple};
 use super::points::read_points;
 use super::system::literal;
 use crate::diagnostics::{Diagnostics, Extent, Located, messages};
-use crate::embedding::{Declared, Embedding, Letter, LetterKind, MOST_LETTERS, Word, listed, meant, names};
+use crate::embedding::{
+    ClockedEmbedding, Declared, Embedding, Letter, LetterKind, MOST_LETTERS, Word, listed, meant, names,
+};
 use crate::tokens::Written;
 
 /// `Midpoint`, or `Trapezoidal = [(0, 1/2), (1, 1/2)]`.
@@ -23,22 +25,93 @@ impl Parse for DeclaredScheme {
     }
 }
 
+/// The schemes, and those with lengths of their own, with the types as written. The schemes that the latter
+/// are made of are among the former.
+pub(super) type Listed = (Vec<(Located<Embedding>, Option<Type>)>, Vec<(Located<ClockedEmbedding>, Type)>);
+
 /// The schemes, each once; mistakes are reported.
-pub(super) fn read_embeddings(
-    schemes: Vec<DeclaredScheme>,
-    diagnostics: &mut Diagnostics,
-) -> Vec<(Located<Embedding>, Type)> {
+pub(super) fn read_embeddings(schemes: Vec<DeclaredScheme>, diagnostics: &mut Diagnostics) -> Listed {
     let (declared, schemes) = read_declared(schemes, diagnostics);
-    let mut embeddings: Vec<(Located<Embedding>, Type)> = Vec::new();
+    let (mut embeddings, mut clocked): Listed = Default::default();
     for ty in schemes {
-        let Some(value) = diagnostics.accept(embedding(&ty, Inside::List, &declared)) else { continue };
-        if embeddings.iter().any(|(known, _)| known.value == value) {
-            diagnostics.report(messages::duplicate_embedding(&ty, &value));
-        } else {
-            embeddings.push((Located { value, extent: Extent::of(&ty) }, ty));
+        let extent = Extent::of(&ty);
+        match diagnostics.accept(scheme_of_list(&ty, &declared)) {
+            Some(ListedScheme::Plain(value)) if embeddings.iter().any(|(known, _)| known.value == value) => {
+                diagnostics.report(messages::duplicate_embedding(&ty, &value));
+            }
+            Some(ListedScheme::Plain(value)) => embeddings.push((Located { value, extent }, Some(ty))),
+            Some(ListedScheme::Clocked(value)) if clocked.iter().any(|(known, _)| known.value == value) => {
+                diagnostics.report(messages::duplicate_embedding(&ty, &value));
+            }
+            Some(ListedScheme::Clocked(value)) => clocked.push((Located { value, extent }, ty)),
+            None => {}
         }
     }
-    embeddings
+    for (Located { value, extent }, _) in &clocked {
+        let base = value.base();
+        if embeddings.iter().all(|(known, _)| known.value != base) {
+            embeddings.push((Located { value: base, extent: *extent }, None));
+        }
+    }
+    (embeddings, clocked)
+}
+
+/// An entry of the list of schemes.
+enum ListedScheme {
+    Plain(Embedding),
+    Clocked(ClockedEmbedding),
+}
+
+/// The scheme of an entry of the list.
+fn scheme_of_list(ty: &Type, declared: &[Declared]) -> syn::Result<ListedScheme> {
+    let Ok((name, arguments)) = name_and_arguments(ty) else {
+        return embedding(ty, Inside::List, declared).map(ListedScheme::Plain);
+    };
+    let text = name.to_string();
+    Ok(match (text.as_str(), arguments.as_deref()) {
+        ("Clocked" | "Extended", Some([GenericArgument::Type(inner)])) => {
+            ListedScheme::Clocked(clocked_inside(ty, &text, inner, declared)?)
+        }
+        ("Clocked", _) => return Err(messages::scheme_arguments(ty, "Clocked<Verlet>")),
+        ("Extended", _) => return Err(messages::scheme_arguments(ty, "Extended<Gauss<8>>")),
+        ("Logarithmic", Some([n, d])) => match (share(n), share(d)) {
+            (Some(n), Some(d)) => ListedScheme::Clocked(ClockedEmbedding::Logarithmic(n, d)),
+            _ => return Err(messages::logarithmic_exponent(ty)),
+        },
+        ("Logarithmic", _) => return Err(messages::scheme_arguments(ty, "Logarithmic<1, 1>")),
+        _ => ListedScheme::Plain(embedding(ty, Inside::List, declared)?),
+    })
+}
+
+/// `Clocked<E>` of a symmetric scheme, or `Extended<E>` of one whose step in the extended phase space is
+/// known.
+fn clocked_inside(
+    whole: &Type,
+    name: &str,
+    inner: &Type,
+    declared: &[Declared],
+) -> syn::Result<ClockedEmbedding> {
+    if let Ok((of_inner, arguments)) = name_and_arguments(inner) {
+        let text = of_inner.to_string();
+        match arguments.as_deref() {
+            Some([GenericArgument::Type(base), _]) if text == "Composed" => {
+                return Err(messages::clocked_composition(whole, name, base));
+            }
+            _ if ["Clocked", "Extended", "Logarithmic"].contains(&text.as_str()) => {
+                return Err(messages::clock_inside_clock(inner));
+            }
+            _ => {}
+        }
+    }
+    let scheme = embedding(inner, Inside::List, declared)?;
+    match (name, &scheme) {
+        ("Extended", Embedding::Verlet | Embedding::Gauss(2..)) => Ok(ClockedEmbedding::Extended(scheme)),
+        ("Extended", _) => Err(messages::extended_of_other(inner, &scheme)),
+        _ if scheme.keeps_constraints() => Err(messages::clocked_constraints(whole, &scheme)),
+        _ if !scheme.is_symmetric() => Err(messages::unsymmetric_clocked(inner, &scheme)),
+        _ if !scheme.takes_clocks() => Err(messages::clock_around_other(inner, &scheme)),
+        _ => Ok(ClockedEmbedding::Clocked(scheme)),
+    }
 }
 
 /// The types with points of the user's, and the schemes; without those whose points were wrong, which has
@@ -150,6 +223,9 @@ fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Em
         }
         ("Thermostat", ..) if is_whole => {
             return Err(messages::scheme_arguments(ty, "Thermostat<Midpoint>"));
+        }
+        ("Clocked" | "Extended" | "Logarithmic", ..) if is_whole => {
+            return Err(messages::clock_inside(ty));
         }
         _ if !is_whole && names().any(|known| known == text) => return Err(messages::whole_inside(ty)),
         _ if messages::is_composition(&text) => return Err(messages::weights_alone(ty)),

@@ -12,7 +12,9 @@ mod points;
 mod rotations;
 mod system;
 
-pub(crate) use attribute::{Declaration, DeclaredFriction, DeclaredValue, Hamiltonian, read_attribute};
+pub(crate) use attribute::{
+    Declaration, DeclaredClock, DeclaredFriction, DeclaredValue, Hamiltonian, read_attribute,
+};
 pub(crate) use attributes::{MacroKind, check as check_attributes};
 pub(crate) use groups::peeled;
 pub(crate) use library::{Library, SharedFunction};

@@ -28,13 +28,14 @@ use syn::ext::IdentExt;
 use syn::visit::Visit;
 use syn::{Expr as Syntax, ReturnType};
 
-use crate::diagnostics::Extent;
-use crate::diagnostics::{Diagnostics, expressions, messages};
-use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape};
+use crate::diagnostics::{Diagnostics, Extent, Located, expressions, messages};
+use crate::input::{Container, Declaration, DeclaredClock, Hamiltonian, Length, PhaseSpace, Shape};
 use crate::key::Key;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
-use crate::model::{Collectives, Family, FamilyTerm, Form, Half, Noise, Slot, System, Term};
+use crate::model::{
+    Clock, ClockKind, Collectives, Family, FamilyTerm, Form, Half, Noise, Slot, System, Term,
+};
 use crate::symbolic::{Expr, Graph, Symbol, SymbolKind};
 
 use arrays::{Array, Origin};
@@ -92,6 +93,8 @@ pub(crate) fn lower(
     let constraints: Vec<_> =
         declaration.of(Key::Constraint).map(|constraint| interpreter.family(constraint)).collect();
 
+    let clock = declaration.clock.as_ref().map(|given| interpreter.clock(given, declaration.of(Key::Clock)));
+
     let Interpreter { mut graph, symbols, tables, parameters, space, naturals, untyped, .. } = interpreter;
     let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape, &untyped);
     let invariant_names = declaration
@@ -135,6 +138,8 @@ pub(crate) fn lower(
         invariant_names: invariant_names.collect(),
         constraints: constraints.into_iter().flatten().collect(),
         embeddings: declaration.embeddings.into_iter().map(|(embedding, _)| embedding).collect(),
+        clock: required(clock)?,
+        clocked: declaration.clocked.into_iter().map(|(scheme, _)| scheme).collect(),
         item: container.item,
         crate_path: declaration.crate_path,
         form: Form::Loops,
@@ -193,6 +198,35 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         let is_force = noise.key.is_covector();
         let terms = self.family(noise)?.into_iter();
         Some(terms.map(|FamilyTerm { term, family }| Noise { term, family, is_force }).collect())
+    }
+
+    /// The clock: its closure, or the frequency that is added to a curvature.
+    fn clock(
+        &mut self,
+        declared: &'a Located<DeclaredClock>,
+        mut closures: impl Iterator<Item = &'a Hamiltonian>,
+    ) -> Option<Clock> {
+        let (kind, frequency) = match &declared.value {
+            DeclaredClock::Function => (ClockKind::Function, None),
+            DeclaredClock::Curvature(frequency) => (ClockKind::Curvature, frequency.as_deref()),
+            DeclaredClock::Pairs => (ClockKind::Pairs, None),
+        };
+        let term = match (kind, frequency) {
+            (ClockKind::Function, _) => self.term(closures.next()?, None)?,
+            (_, Some(frequency)) => self.lowered(&frequency.value, |this| {
+                this.now.advice = Some("a clock of the state is a closure, `clock = |q, p| ...`");
+                let value = this.evaluate(&frequency.value);
+                this.real(value, &frequency.value)
+            })?,
+            (_, None) => Term {
+                expression: self.graph.integer(0),
+                elements: Vec::new(),
+                values: Vec::new(),
+                extent: declared.extent,
+            },
+        };
+        let term = Term { extent: declared.extent, ..term };
+        Some(Clock { kind, term, rate: Vec::new(), text: String::new(), collectives: Vec::new() })
     }
 
     /// A term, or a family of them. Members that differ in more than a number become separate terms.

@@ -45,11 +45,11 @@ pub(super) fn type_checks(
     });
     let friction = declaration.friction.iter().map(|friction| takers.check_given(system, &friction.given));
     let temperature = declaration.temperature.iter().map(|given| takers.check_temperature(system, given));
-    let given = friction.chain(temperature);
-    let schemes = declaration.embeddings.iter().map(|(embedding, written)| {
-        let meant = embedding.value.path(root);
-        quote!(#checks::is_same::<#meant>(#checks::PhantomData::<#written>);)
-    });
+    let frequency = declaration.frequency().map(|given| takers.check_given(system, given));
+    let given = friction.chain(temperature).chain(frequency);
+    let written = declaration.written_schemes().into_iter();
+    let schemes =
+        written.map(|(meant, written)| quote!(#checks::is_same::<#meant>(#checks::PhantomData::<#written>);));
     let special = special_methods(declaration);
     // Lints would fire a second time at the user's tokens. `rustc` and clippy see the closures only here, but
     // style messages about generated code are useless.
@@ -73,7 +73,7 @@ pub(super) fn type_checks(
 /// The traits of methods that `f64` does not have, where a closure may call one.
 fn special_methods(declaration: &Declaration) -> Option<TokenStream> {
     let closures = declaration.in_order().map(|closure| &closure.tokens);
-    let mut written = closures.chain(given(declaration).map(|given| &given.tokens));
+    let mut written = closures.chain(declaration.given().map(|given| &given.tokens));
     let calls_one = written.any(|tokens| NAMES.iter().any(|(name, ..)| tokens::mentions(tokens, name)));
     let root = &declaration.crate_path;
     calls_one.then(|| quote!(use #root::__private::{ErrorFunctions as _, SpecialFunctions as _};))
@@ -81,9 +81,9 @@ fn special_methods(declaration: &Declaration) -> Option<TokenStream> {
 
 /// `checks`, with underscores if the user has that name.
 fn unused_name(system: &Container, declaration: &Declaration) -> TokenStream {
-    let given = given(declaration).map(|given| &given.tokens);
+    let given = declaration.given().map(|given| &given.tokens);
     let written = declaration.in_order().map(|closure| &closure.tokens).chain(given);
-    let schemes = declaration.embeddings.iter().map(|(_, written)| written);
+    let schemes = declaration.written_schemes().into_iter().map(|(_, written)| written);
     let (item, crate_path) = (&system.item, &declaration.crate_path);
     let used = words(quote!(#(#written)* #(#schemes)* #item #crate_path));
     let mut name = String::from("checks");
@@ -91,11 +91,6 @@ fn unused_name(system: &Container, declaration: &Declaration) -> TokenStream {
         name.push('_');
     }
     Ident::new(&name, Span::call_site()).into_token_stream()
-}
-
-/// The expressions of `friction`, `damping` and `temperature`.
-fn given(declaration: &Declaration) -> impl Iterator<Item = &DeclaredValue> {
-    declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature)
 }
 
 /// The generics of the struct as arguments. Numbers are in braces, as a type in scope may have their name.

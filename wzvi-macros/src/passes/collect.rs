@@ -25,7 +25,7 @@ use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 /// Makes the elements of every term; reports terms that are not sums of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
     let degrees = system.size.multiply(&Index::integer(system.components)).and_then(|all| all.as_integer());
-    let (mut writer, Terms { drift, noise, constraints, others }) = unroller_and_terms(system);
+    let (mut writer, Terms { drift, noise, constraints, others, clock }) = unroller_and_terms(system);
     let singles = drift.into_iter().chain(others).map(|term| (term, Vec::new()));
     let noise = noise.iter_mut().map(|noise| {
         let loops = members(noise.family.as_ref()).into_iter().collect();
@@ -43,6 +43,19 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
             && let Some(index) = term.values.iter().find_map(|element| outside(element, degrees))
         {
             diagnostics.report(expressions::index_outside(term.extent, index, degrees));
+        }
+    }
+    if let Some(term) = clock {
+        // The pass on clocks takes the derivatives that are needed.
+        match writer.decompose(term.expression, &[], &mut term.values) {
+            None => diagnostics.report(expressions::nonlinear_sum(term.extent)),
+            Some(()) => {
+                if let Some(degrees) = degrees
+                    && let Some(index) = term.values.iter().find_map(|element| outside(element, degrees))
+                {
+                    diagnostics.report(expressions::index_outside(term.extent, index, degrees));
+                }
+            }
         }
     }
     let is_collective = |term: &&Term| term.values.iter().any(Element::is_collective);
@@ -89,7 +102,7 @@ fn members(family: Option<&Family>) -> Option<Loop> {
 }
 
 /// Elements as derivatives need them: each reads only coordinates, only momenta, or what cannot be parted.
-pub(super) fn parted(system: &mut System, elements: &[Element]) -> Vec<Element> {
+pub(crate) fn parted(system: &mut System, elements: &[Element]) -> Vec<Element> {
     let (mut writer, ..) = unroller_and_terms(system);
     elements.iter().flat_map(|element| writer.parted(element)).collect()
 }

@@ -69,6 +69,8 @@ pub(super) struct Terms<'s> {
     pub(super) constraints: &'s mut Vec<FamilyTerm>,
     /// First integrals, force, friction, temperature.
     pub(super) others: Vec<&'s mut Term>,
+    /// The clock, or the frequency in it.
+    pub(super) clock: Option<&'s mut Term>,
 }
 
 impl<'s> Terms<'s> {
@@ -76,7 +78,7 @@ impl<'s> Terms<'s> {
     pub(super) fn all(self) -> impl Iterator<Item = &'s mut Term> {
         let noise = self.noise.iter_mut().map(|noise| &mut noise.term);
         let constraints = self.constraints.iter_mut().map(|constraint| &mut constraint.term);
-        self.drift.into_iter().chain(noise).chain(constraints).chain(self.others)
+        self.drift.into_iter().chain(noise).chain(constraints).chain(self.others).chain(self.clock)
     }
 }
 
@@ -96,6 +98,7 @@ pub(super) fn unroller_and_terms(system: &mut System) -> (Unroller<'_>, Terms<'_
         temperature,
         invariants,
         constraints,
+        clock,
         ..
     } = system;
     let friction = friction.iter_mut().map(|friction| &mut friction.term);
@@ -104,14 +107,20 @@ pub(super) fn unroller_and_terms(system: &mut System) -> (Unroller<'_>, Terms<'_
     let drift = [drift].into_iter().chain(summands);
     (
         Unroller { collectives: Some(collectives), ..Unroller::new(graph, symbols, *t, tables) },
-        Terms { drift: drift.collect(), noise, constraints, others: others.collect() },
+        Terms {
+            drift: drift.collect(),
+            noise,
+            constraints,
+            others: others.collect(),
+            clock: clock.as_mut().map(|clock| &mut clock.term),
+        },
     )
 }
 
 /// Unrolls every loop and family; `false`, without changes, if that is impossible.
 fn unroll_all(system: &mut System) -> bool {
-    let (mut writer, Terms { drift, noise, constraints, others }) = unroller_and_terms(system);
-    let singles: Vec<&mut Term> = drift.into_iter().chain(others).collect();
+    let (mut writer, Terms { drift, noise, constraints, others, clock }) = unroller_and_terms(system);
+    let singles: Vec<&mut Term> = drift.into_iter().chain(others).chain(clock).collect();
     let Some(written) = writer.expressions(&singles) else { return false };
     let mut noises = Vec::with_capacity(noise.len());
     for Noise { term, family, is_force } in &*noise {

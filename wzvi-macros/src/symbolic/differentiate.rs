@@ -35,18 +35,32 @@ impl NodeDerivatives {
 impl Graph {
     /// `∂expr/∂symbol`
     pub(crate) fn derivative(&mut self, expr: Expr, symbol: Symbol) -> Expr {
-        self.differentiated(expr, symbol, false)
+        let one = self.integer(1);
+        self.differentiated(expr, Support::of([symbol]), &|other| (other == symbol).then_some(one), false)
     }
 
     /// `∂expr/∂symbol` for the matrices of Newton's method: 0 where only a root in `expr` has an infinite
     /// slope. There is no better matrix, and the solution does not depend on it.
     pub(crate) fn hessian_entry(&mut self, expr: Expr, symbol: Symbol) -> Expr {
-        self.differentiated(expr, symbol, true)
+        let one = self.integer(1);
+        self.differentiated(expr, Support::of([symbol]), &|other| (other == symbol).then_some(one), true)
     }
 
-    fn differentiated(&mut self, expr: Expr, symbol: Symbol, is_bounded: bool) -> Expr {
-        let support = Support::of([symbol]);
-        // Only nodes that may contain the symbol are visited: the others have no slope.
+    /// `Σ ∂expr/∂x · velocity`, in one pass for all variables `x` with a velocity.
+    pub(crate) fn rate(&mut self, expr: Expr, velocities: &HashMap<Symbol, Expr>) -> Expr {
+        let support = Support::of(velocities.keys().copied());
+        self.differentiated(expr, support, &|symbol| velocities.get(&symbol).copied(), false)
+    }
+
+    /// The slope of an expression whose variables have the slopes `of_symbol`, none outside of `support`.
+    fn differentiated(
+        &mut self,
+        expr: Expr,
+        support: Support,
+        of_symbol: &dyn Fn(Symbol) -> Option<Expr>,
+        is_bounded: bool,
+    ) -> Expr {
+        // Only nodes that may contain one of them are visited: the others have no slope.
         let mut parts = self.reachable_where(&[expr], |part| self.support(part).intersects(support));
         parts.sort_unstable();
         let mut slopes =
@@ -54,7 +68,7 @@ impl Graph {
         for part in parts {
             let node = self.node(part).clone();
             let slope = match &node {
-                Node::Symbol(other) => self.integer(i32::from(*other == symbol)),
+                Node::Symbol(symbol) => of_symbol(*symbol).unwrap_or(slopes.zero),
                 _ => self.slope(part, &node, &slopes),
             };
             if slope != slopes.zero {

@@ -235,6 +235,14 @@ impl Graph {
         Symbol((self.names.len() - 1) as u32)
     }
 
+    /// A new variable that is positive.
+    pub(crate) fn new_positive_symbol(&mut self, kind: SymbolKind, name: impl Into<String>) -> Symbol {
+        let symbol = self.new_symbol(kind, name);
+        let expr = self.symbol(symbol);
+        self.signs[expr.index()] = Sign::Positive;
+        symbol
+    }
+
     /// A new variable of the kind of another one.
     pub(crate) fn new_symbol_like(&mut self, other: Symbol, name: impl Into<String>) -> Symbol {
         let symbol = self.new_symbol(self.kind_of(other), name);

@@ -22,6 +22,7 @@ impl Rational {
     pub(crate) const ONE: Self = Self { numerator: 1, denominator: 1 };
     pub(crate) const MINUS_ONE: Self = Self { numerator: -1, denominator: 1 };
     pub(crate) const THIRD: Self = Self { numerator: 1, denominator: 3 };
+    pub(crate) const QUARTER: Self = Self { numerator: 1, denominator: 4 };
     pub(crate) const HALF: Self = Self { numerator: 1, denominator: 2 };
 
     pub(crate) fn new(numerator: i128, denominator: i128) -> Option<Self> {

@@ -25,7 +25,15 @@ impl Named {
             (Role::Noise, false) => ("", "H_W", "Σ_k ΔW[k] H_k"),
             (Role::Noise, true) => ("", "F_W", "Σ_k ΔW[k] F_k"),
             (Role::CounterTerm, _) => ("", "C", "(Σ_j ΔW[j] ∂H_j/∂q) · (Σ_k ΔW[k] ∂H_k/∂p)"),
-            (Role::Summand(_) | Role::Friction | Role::Temperature | Role::Integral(_), _) => return None,
+            (
+                Role::Summand(_)
+                | Role::Friction
+                | Role::Temperature
+                | Role::Integral(_)
+                | Role::Clock
+                | Role::ClockRate,
+                _,
+            ) => return None,
         };
         Some(Self { role, is_force, factor, name, definition, sum })
     }

@@ -220,7 +220,7 @@ fn along_drift(forces: &Forces) -> String {
     format!("the drift: {{H0, F}} + ∂F/∂t{force}{friction}")
 }
 
-fn rate_of_drift(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> Option<Sum> {
+pub(super) fn rate_of_drift(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> Option<Sum> {
     let Hamiltonians { drift, forces: Forces { force, friction, .. }, t, .. } = of;
     let rates = [
         (sums.bracket(drift, value)?, Rational::ONE),

@@ -23,7 +23,7 @@ const MOST_TERMS: usize = 2_000;
 
 impl Calculus<'_> {
     /// The elements with the first derivatives of a sum, in which collective variables count as constants.
-    pub(super) fn opened(&mut self, sum: &Sum) -> Sum {
+    pub(crate) fn opened(&mut self, sum: &Sum) -> Sum {
         if self.space.collectives.is_empty() {
             return sum.clone();
         }

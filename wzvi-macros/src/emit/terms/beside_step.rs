@@ -10,12 +10,19 @@ use crate::discretise::split::SummandForm;
 use crate::discretise::{Facts, Kinetic, Plans, Role, Sum, Weighted, unweighted};
 use crate::emit::count;
 use crate::emit::overrides::{self, holds};
-use crate::model::{Friction, System, Temperature, Term};
+use crate::model::{Element, Friction, System, Temperature, Term};
+use crate::passes::collect::parted;
 
 /// The terms by their roles, and the quantities computed of them.
 fn terms(model: &mut System) -> Vec<(Role, Derivative, Sum)> {
     let value = |role: Role, term: &Term| (role, Derivative::Value, unweighted(&term.values));
     let mut all = Vec::new();
+    if model.is_logarithmic() && model.summands.is_empty() {
+        for (number, elements) in halves(model).into_iter().enumerate() {
+            let (role, sum) = (Role::Summand(number), unweighted(&elements));
+            all.extend([(role, Derivative::Value, sum.clone()), (role, Derivative::Gradient, sum)]);
+        }
+    }
     for (number, term) in model.summands.iter().enumerate() {
         let role = Role::Summand(number);
         all.extend([value(role, term), (role, Derivative::Gradient, unweighted(&term.elements))]);
@@ -45,16 +52,30 @@ fn terms(model: &mut System) -> Vec<(Role, Derivative, Sum)> {
         None => {}
     }
     all.extend(model.invariants.iter().enumerate().map(|(number, term)| value(Role::Integral(number), term)));
+    if let Some(clock) = &model.clock {
+        all.push(value(Role::Clock, &clock.term));
+        all.push((Role::ClockRate, Derivative::Value, unweighted(&clock.rate)));
+        if !clock.term.elements.is_empty() {
+            all.push((Role::Clock, Derivative::Gradient, unweighted(&clock.term.elements)));
+        }
+    }
     all
 }
 
-/// The arms of these terms, weighted by the step size except for first integrals.
+/// The kinetic energy and the potential of a drift that is written as a whole.
+fn halves(model: &mut System) -> [Vec<Element>; 2] {
+    let elements = parted(model, &model.drift.values.clone());
+    let (kinetic, potential) = elements.into_iter().partition(|element| element.reads().p);
+    [kinetic, potential]
+}
+
+/// The arms of these terms, weighted by the step size except for first integrals and clocks.
 pub(super) fn arms(model: &mut System, derivative: Derivative) -> TokenStream {
     let weight = derivative.step_size(None);
     let terms = terms(model).into_iter().filter(|(_, known, _)| *known == derivative);
     let mut nests = ElementEmitter { model, derivative };
     let arms = terms.map(|(role, _, sum)| {
-        let weight = (!matches!(role, Role::Integral(_))).then_some(&weight);
+        let weight = (!matches!(role, Role::Integral(_) | Role::Clock | Role::ClockRate)).then_some(&weight);
         arm(role, None, &nests.group(&sum, weight))
     });
     arms.collect()

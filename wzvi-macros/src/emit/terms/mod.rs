@@ -256,6 +256,8 @@ fn role_path(role: Role) -> TokenStream {
             let number = count(number);
             quote!(Integral(#number))
         }
+        Role::Clock => quote!(Clock),
+        Role::ClockRate => quote!(ClockRate),
     };
     quote!(__wzvi::elements::Role::#role)
 }
