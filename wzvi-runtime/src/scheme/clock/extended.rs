@@ -18,6 +18,8 @@
 mod gauss;
 mod logarithmic;
 mod pair;
+#[cfg(test)]
+mod tests;
 
 pub use gauss::{ExtendedGauss, StageMemory};
 pub use logarithmic::{LogarithmicSplitting, SplittingNode};

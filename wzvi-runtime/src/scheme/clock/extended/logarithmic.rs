@@ -123,7 +123,7 @@ fn power<S: Scalar, const N: u32, const D: u32>(x: S) -> S {
 }
 
 /// Drifts and kicks with the exponent `N/D`.
-struct SplittingWord<'a, const N: u32, const D: u32>(&'a Word);
+pub(super) struct SplittingWord<'a, const N: u32, const D: u32>(pub(super) &'a Word);
 
 /// Lists of a step.
 #[derive(Debug, Default)]

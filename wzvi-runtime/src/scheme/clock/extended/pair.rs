@@ -116,7 +116,7 @@ where
 }
 
 /// Steps of both halves of the pair.
-struct PairWord<'a>(&'a Word<BasicMethod>);
+pub(super) struct PairWord<'a>(pub(super) &'a Word<BasicMethod>);
 
 /// The forces at the last node, which the next step begins with.
 #[derive(Debug, Default)]
