@@ -6,6 +6,7 @@
 mod between;
 mod chaos;
 mod checkpoint;
+mod events;
 mod high_order;
 mod jumps;
 mod orbits;

@@ -48,13 +48,14 @@ pub struct StepError {
     pub step: u64,
     /// Time at the start of the step.
     pub t: f64,
-    /// Step size.
+    /// Step size; NaN of a step by a clock, whose size is not known where it fails.
     pub h: f64,
     /// Why.
     pub cause: StepFailure,
 }
 
 messages! { StepError:
+    Self { step, t, h, cause } if h.is_nan() => "step {step} from t = {} by a clock: {cause}", ShortestDecimal(*t);
     Self { step, t, h, cause } => "step {step} from t = {} with h = {}: {cause}", ShortestDecimal(*t), ShortestDecimal(*h);
 }
 

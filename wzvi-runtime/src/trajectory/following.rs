@@ -13,6 +13,7 @@ use crate::scheme::system::{Discretized, Scheme, SchemeOf};
 use crate::trajectory::Error;
 use crate::trajectory::between::{BetweenNodes, StepPart};
 use crate::trajectory::events::{AfterEvent, Event, EventRules};
+use crate::trajectory::options::Observable;
 use crate::trajectory::recorded::Recorder;
 use crate::trajectory::section::{Crossing, Direction, SectionWatch, root};
 use crate::trajectory::step::{StepInfo, Stepper};
@@ -73,7 +74,9 @@ pub(crate) struct StepLook<'l, N> {
 pub(crate) struct Following<'a, H: Discretized<E>, E> {
     system: &'a H,
     rules: EventRules<'a, H::Vector>,
-    /// Follows the signs of the functions of crossings, without noise.
+    /// The functions of crossings, with the number of the event and the direction that counts.
+    functions: Vec<CrossingRule<'a, H::Vector>>,
+    /// Follows the signs of these functions, without noise.
     watch: SectionWatch<H::Vector>,
     /// The signs at the last node, with noise.
     signs: Vec<f64>,
@@ -86,18 +89,29 @@ pub(crate) struct Following<'a, H: Discretized<E>, E> {
     times: Vec<(usize, f64)>,
     past: usize,
     before: State<H::Vector>,
+    /// Scratch: the start of a part of a step.
+    from: Option<State<H::Vector>>,
     room: State<H::Vector>,
     dense: DenseOutput<H::Vector>,
     /// The number and the time of the last crossing or event.
     last: Option<(usize, f64)>,
     /// The length of the last step, before the end of the run shortened it.
     whole: f64,
-    /// The parts of the last step.
-    pub(crate) pieces: Vec<StepPiece<H::Vector>>,
+    /// The parts of the last step are the first `kept` of these.
+    pieces: Vec<StepPiece<H::Vector>>,
+    kept: usize,
     /// The events of the last step.
     pub(crate) happened: Vec<Event<H::Vector>>,
     /// Whether the run has ended.
     pub(crate) is_over: bool,
+}
+
+/// A function of the state whose zeros are events.
+struct CrossingRule<'a, V> {
+    number: usize,
+    /// The direction that counts, if only one does.
+    direction: Option<Direction>,
+    value: Observable<'a, V>,
 }
 
 /// An event to come.
@@ -118,11 +132,15 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let mut times: Vec<(usize, f64)> = rules.times().collect();
         times.sort_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)));
         times.retain(|(_, t)| sign * (t - start.t) >= 0.0);
-        let functions: Vec<_> = rules.crossings().map(|(_, _, value)| value.clone()).collect();
-        let signs = functions.iter().map(|value| value(start)).collect();
+        let crossings = rules.crossings();
+        let functions: Vec<_> = crossings
+            .map(|(number, direction, value)| CrossingRule { number, direction, value: value.clone() })
+            .collect();
+        let signs = functions.iter().map(|rule| (rule.value)(start)).collect();
         let mut following = Self {
             system,
-            watch: SectionWatch::new(functions.iter(), start),
+            watch: SectionWatch::new(functions.iter().map(|rule| &rule.value), start),
+            functions,
             signs,
             rules,
             side: SideStepper::default(),
@@ -131,11 +149,13 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             times,
             past: 0,
             before: start.clone(),
+            from: None,
             room: start.clone(),
             dense: DenseOutput::of(start),
             last: None,
             whole: f64::NAN,
             pieces: Vec::new(),
+            kept: 0,
             happened: Vec::new(),
             is_over: false,
         };
@@ -171,10 +191,10 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     ) -> Result<StepInfo, Error> {
         let StepToTake { state, interval, noise, dw } = step;
         copy_state(&mut self.before, state);
-        self.pieces.clear();
-        self.happened.clear();
-        let h = if H::PROPERTIES.is_clocked { stepper.upcoming(state)? } else { size };
+        (self.kept, self.happened) = (0, Vec::new());
         let is_own = H::PROPERTIES.is_clocked;
+        // The time at the end is that which the clock will have, to the last bit.
+        let h = if is_own && !dw.is_empty() { stepper.upcoming(state)? - state.t } else { size };
         let interval = match is_own {
             // The number of the step, and its own time.
             true => Interval { start: state.t, h, step: interval.step },
@@ -183,7 +203,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let mut noise = StepNoise { noise, interval, h, is_own };
         self.draw(&mut noise, size, dw)?;
         let info = stepper.step(state, dw)?;
-        if noise.h.is_nan() {
+        if is_own {
             noise.h = state.t - self.before.t;
         }
         self.whole = noise.h;
@@ -220,59 +240,83 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         noise: &mut StepNoise<'_, N>,
         dw: &mut [f64],
     ) -> Result<(), Error> {
-        let mut from = self.before.clone();
-        let whole_dw = dw.to_vec();
+        let mut from = self.from.take().unwrap_or_else(|| self.before.clone());
+        copy_state(&mut from, &self.before);
         let mut is_whole = true;
         if let Some(end) = self.end.filter(|&end| self.is_past(state.t) && state.t != end) {
             self.part(noise, &from, end, dw, state)?;
             is_whole = false;
         }
         let last = state.t;
-        for _ in 0..MOST_EVENTS {
-            if is_whole {
-                stepper.fill([&from, state], dw, &mut self.dense);
-            } else {
-                self.dense.fill_by_rates::<H, E>(self.system, [&from, state], last - from.t, dw);
-            }
-            let Some(event) = self.next_event(noise, &from, state)? else {
-                self.pieces.push(StepPiece { from, to: state.clone(), dw: dw.to_vec(), is_whole });
-                self.is_over = self.is_over || self.is_past(last);
-                // All that drove the step up to here.
-                dw.copy_from_slice(&whole_dw);
-                if let (true, Some(_)) = (self.is_over, self.end) {
-                    self.total(noise, last, dw)?;
-                }
-                self.act_at_node(state);
-                return Ok(());
-            };
-            let at = event.at.clone();
+        while let Some(event) = self.event_in(stepper, noise, [&from, state], is_whole, dw)? {
+            let NextEvent { number, at } = event;
             // An event again without any time in between would happen for ever.
-            if self.last == Some((event.number, at.t)) {
+            if self.last == Some((number, at.t)) || self.happened.len() == MOST_EVENTS {
                 return Err(self.too_many(&from, noise));
             }
-            self.last = Some((event.number, at.t));
-            self.pieces.push(StepPiece {
-                from: from.clone(),
-                to: at.clone(),
-                dw: self.increments(noise, from.t, at.t, dw.len())?,
-                is_whole: false,
-            });
-            from = self.act(event.number, at);
+            self.last = Some((number, at.t));
+            self.increments(noise, [from.t, at.t], dw)?;
+            self.keep_piece([&from, &at], dw, false);
+            from = self.act(number, at);
             if self.is_over {
-                copy_state(state, &from);
-                self.total(noise, from.t, dw)?;
-                return Ok(());
+                break;
             }
             self.face(&from);
             is_whole = false;
             self.part(noise, &from, last, dw, state)?;
         }
-        Err(self.too_many(&from, noise))
+        if self.is_over {
+            copy_state(state, &from);
+        } else {
+            self.keep_piece([&from, state], dw, is_whole);
+            self.is_over = self.is_past(last);
+        }
+        // All that drove the step up to here.
+        if !is_whole {
+            self.increments(noise, [self.before.t, state.t], dw)?;
+        }
+        self.from = Some(from);
+        self.act_at_node(state);
+        Ok(())
     }
 
-    /// The increments from the start of the step up to a time.
-    fn total<N: Noise>(&self, noise: &mut StepNoise<'_, N>, t: f64, dw: &mut [f64]) -> Result<(), Error> {
-        noise.within([0.0, self.fraction(noise, t)], dw)
+    /// The first event in a part of a step.
+    fn event_in<N: Noise, C: StateSum<f64>>(
+        &mut self,
+        stepper: &Stepper<'a, H, E, C>,
+        noise: &mut StepNoise<'_, N>,
+        [from, to]: [&State<H::Vector>; 2],
+        is_whole: bool,
+        dw: &[f64],
+    ) -> Result<Option<NextEvent<H::Vector>>, Error> {
+        if self.rules.is_empty() {
+            return Ok(None);
+        }
+        if !self.functions.is_empty() && dw.is_empty() {
+            if is_whole {
+                stepper.fill([from, to], dw, &mut self.dense);
+            } else {
+                self.dense.fill_by_rates::<H, E>(self.system, [from, to], to.t - from.t, dw);
+            }
+        }
+        self.next_event(noise, from, to)
+    }
+
+    /// Keeps a part of the step.
+    fn keep_piece(&mut self, [from, to]: [&State<H::Vector>; 2], dw: &[f64], is_whole: bool) {
+        match self.pieces.get_mut(self.kept) {
+            Some(piece) => {
+                copy_state(&mut piece.from, from);
+                copy_state(&mut piece.to, to);
+                piece.dw.copy_from_slice(dw);
+                piece.is_whole = is_whole;
+            }
+            None => {
+                let (from, to, dw) = (from.clone(), to.clone(), dw.to_vec());
+                self.pieces.push(StepPiece { from, to, dw, is_whole });
+            }
+        }
+        self.kept += 1;
     }
 
     fn too_many<N>(&self, at: &State<H::Vector>, noise: &StepNoise<'_, N>) -> Error {
@@ -289,16 +333,14 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     fn increments<N: Noise>(
         &self,
         noise: &mut StepNoise<'_, N>,
-        from: f64,
-        to: f64,
-        processes: usize,
-    ) -> Result<Vec<f64>, Error> {
-        let mut dw = vec![0.0; processes];
-        if processes > 0 {
-            let part = [from, to].map(|t| self.fraction(noise, t));
-            noise.within(part, &mut dw)?;
+        times: [f64; 2],
+        dw: &mut [f64],
+    ) -> Result<(), Error> {
+        if dw.is_empty() {
+            return Ok(());
         }
-        Ok(dw)
+        let part = times.map(|t| self.fraction(noise, t));
+        noise.within(part, dw)
     }
 
     /// A side step from a state to a time of the step, with the increments that it has there.
@@ -310,10 +352,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         dw: &mut [f64],
         into: &mut State<H::Vector>,
     ) -> Result<(), Error> {
-        if !dw.is_empty() {
-            let part = [from.t, to].map(|t| self.fraction(noise, t));
-            noise.within(part, dw)?;
-        }
+        self.increments(noise, [from.t, to], dw)?;
         let (system, h) = (self.system, to - from.t);
         let step = self.side.step(system, from, h, dw, into);
         step.map_err(|cause| StepError { step: noise.interval.step, t: from.t, h, cause })?;
@@ -353,23 +392,23 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         from: &State<H::Vector>,
         to: &State<H::Vector>,
     ) -> Result<Option<NextEvent<H::Vector>>, Error> {
-        if self.signs.is_empty() {
+        if self.functions.is_empty() {
             return Ok(None);
         }
-        let wanted: Vec<(usize, Option<Direction>)> =
-            self.rules.crossings().map(|(number, direction, _)| (number, direction)).collect();
         let (sign, mut first): (f64, Option<Crossing<H::Vector>>) = (self.sign, None);
-        let functions: Vec<_> = self.rules.crossings().map(|(_, _, value)| value.clone()).collect();
-        self.watch.follow(functions.iter(), &self.dense, &mut |crossing| {
-            let counts = wanted[crossing.section].1.is_none_or(|direction| direction == crossing.direction);
+        let Self { functions, watch, dense, .. } = self;
+        watch.follow(functions.iter().map(|rule| &rule.value), dense, &mut |crossing| {
+            let wanted = functions[crossing.section].direction;
+            let counts = wanted.is_none_or(|direction| direction == crossing.direction);
             let is_first = first.as_ref().is_none_or(|first| sign * (crossing.state.t - first.state.t) < 0.0);
             if counts && is_first {
                 first = Some(crossing);
             }
         });
         let Some(Crossing { section, state, .. }) = first else { return Ok(None) };
-        let at = self.put_on(&*functions[section], from, to.t, state);
-        Ok(Some(NextEvent { number: wanted[section].0, at }))
+        let CrossingRule { number, value, .. } = &self.functions[section];
+        let (number, value) = (*number, value.clone());
+        Ok(Some(NextEvent { number, at: self.put_on(&*value, from, to.t, state) }))
     }
 
     /// The state at which a function is zero, by Newton's method on the length of a side step: by secants,
@@ -419,15 +458,12 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         from: &State<H::Vector>,
         to: &State<H::Vector>,
     ) -> Result<Option<NextEvent<H::Vector>>, Error> {
-        let crossings: Vec<_> = self
-            .rules
-            .crossings()
-            .map(|(number, direction, value)| (number, direction, value.clone()))
-            .collect();
         let (mut first, processes): (Option<NextEvent<H::Vector>>, _) =
             (None, self.system.increments(from.q.components().len()));
         let mut signs = self.signs.clone();
-        for (place, (number, wanted, value)) in crossings.into_iter().enumerate() {
+        for place in 0..self.functions.len() {
+            let CrossingRule { number, direction: wanted, value } = &self.functions[place];
+            let (number, wanted, value) = (*number, *wanted, value.clone());
             let (before, after) = (signs[place], value(to));
             if after != 0.0 {
                 signs[place] = after;
@@ -493,8 +529,12 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     /// The side of each crossing on which a path is that goes on from a state: that of the sign of the
     /// function, or that to which the path moves where the function vanishes up to its rounding.
     fn face(&mut self, state: &State<H::Vector>) {
-        let functions: Vec<_> = self.rules.crossings().map(|(_, _, value)| value.clone()).collect();
-        let values: Vec<f64> = functions.iter().map(|value| self.side_of(&**value, state)).collect();
+        let values: Vec<f64> = (0..self.functions.len())
+            .map(|place| {
+                let value = self.functions[place].value.clone();
+                self.side_of(&*value, state)
+            })
+            .collect();
         self.watch.set_sides(&values);
         self.signs = values;
     }
@@ -537,9 +577,9 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         recorder: &mut Recorder<H::Vector>,
     ) -> Result<(), Error> {
         let StepLook { number, noise, dw } = step;
-        let pieces = std::mem::take(&mut self.pieces);
+        let (pieces, number_of_pieces) = (std::mem::take(&mut self.pieces), self.kept);
         let (mut later, mut dense) = (dw.to_vec(), self.dense.clone());
-        for (place, piece) in pieces.iter().enumerate() {
+        for (place, piece) in pieces.iter().take(number_of_pieces).enumerate() {
             let StepPiece { from, to, dw, is_whole } = piece;
             later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
             if *is_whole {
@@ -547,7 +587,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             } else {
                 dense.fill_by_rates::<H, E>(self.system, [from, to], to.t - from.t, dw);
             }
-            let part = StepPart { step: number, dw, later: &later, is_last: place + 1 == pieces.len() };
+            let part = StepPart { step: number, dw, later: &later, is_last: place + 1 == number_of_pieces };
             if H::PROPERTIES.is_clocked {
                 self.record_times(noise, piece, &part, recorder)?;
             } else {

@@ -350,14 +350,12 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         }
     }
 
-    /// The length in time of the next step of a state: NaN where a clock does not know it before.
+    /// The time at the end of the next step of a state by a clock: NaN where the clock does not know it
+    /// before.
     ///
     /// # Errors
     /// The errors of a clock that is not positive there.
     pub(crate) fn upcoming(&self, state: &State<H::Vector>) -> Result<f64, StepError> {
-        if !H::PROPERTIES.is_clocked {
-            return Ok(self.h);
-        }
         let at_start;
         // The memory of another state is no guide.
         let memory = if state.t != self.clock.now || self.jumped(state) {
@@ -366,8 +364,8 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         } else {
             &self.memory
         };
-        let length = SchemeOf::<H, E>::upcoming(self.system, &self.prepared, state, self.h, memory);
-        length.map_err(|cause| self.error(state, &[], cause))
+        let end = SchemeOf::<H, E>::upcoming(self.system, &self.prepared, state, self.h, memory);
+        end.map_err(|cause| self.error(state, &[], cause))
     }
 
     /// What the clock of the scheme says after the last step.
@@ -568,15 +566,8 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         cold();
         let is_good = zero == 0.0 || cause.is_of_arguments();
         let cause = if is_good { explained(self.system, cause) } else { StepFailure::NonFiniteInput };
-        let h = if H::PROPERTIES.is_clocked { self.length_of_refused(state) } else { self.h };
+        let h = if H::PROPERTIES.is_clocked { f64::NAN } else { self.h };
         StepError { step: self.steps(), t: state.t, h, cause }
-    }
-
-    /// The length in time of a step by a clock that was refused: that of the clock there, where it is known.
-    #[cold]
-    fn length_of_refused(&self, state: &State<H::Vector>) -> f64 {
-        let (system, memory) = (self.system, &self.memory);
-        SchemeOf::<H, E>::upcoming(system, &self.prepared, state, self.h, memory).unwrap_or(f64::NAN)
     }
 }
 

@@ -132,8 +132,9 @@ where
     ) -> Result<f64, StepFailure> {
         let clock = ClockOf { system, parameters };
         let (q, p) = (state.q.components(), state.p.components());
-        let ClockState { density, rate, .. } = memory.state(&clock, state.t, q, p)?;
-        Ok(eps / positive(density + eps * 0.5 * rate)?)
+        let ClockState { density, rate, t, lost } = memory.state(&clock, state.t, q, p)?;
+        let h = eps / positive(density + eps * 0.5 * rate)?;
+        Ok(FixedCompensatedSum::<f64, 1>::add(t, h, lost).0)
     }
 
     fn reading(memory: &Self::Memory<f64>) -> ClockReading {

@@ -1,5 +1,8 @@
 //! Side steps: single steps over a given time from a node, which the path itself does not take.
 
+use std::marker::PhantomData;
+
+use crate::algebra::memory::{MemoryRequest, StepMemory};
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::system::{Hamiltonian, LiftParameter, Scheme, StepArguments, anew, as_they_are};
@@ -9,12 +12,13 @@ use crate::scheme::system::{Hamiltonian, LiftParameter, Scheme, StepArguments, a
 #[derive(Clone, Debug)]
 pub(crate) struct SideStepper<H: Hamiltonian, T: Scheme<H>> {
     prepared: Option<T::Prepared<f64>>,
-    _system: std::marker::PhantomData<fn(&H)>,
+    memory: Option<T::Memory<f64>>,
+    system: PhantomData<fn(&H)>,
 }
 
 impl<H: Hamiltonian, T: Scheme<H>> Default for SideStepper<H, T> {
     fn default() -> Self {
-        Self { prepared: None, _system: std::marker::PhantomData }
+        Self { prepared: None, memory: None, system: PhantomData }
     }
 }
 
@@ -35,10 +39,14 @@ impl<H: Hamiltonian, T: Scheme<H>> SideStepper<H, T> {
         if h == 0.0 {
             return Ok(());
         }
+        let mut memory = self.memory.take().unwrap_or_else(|| T::memory(system));
+        memory.tell(&MemoryRequest::Forget);
         let prepared = self.prepared(system, h).map_err(|_| StepFailure::NonFinite)?;
         let (q, p) = (into.q.components_mut(), into.p.components_mut());
         let at = StepArguments { t: from.t, h, q, p, dw };
-        anew::advance::<H, T, f64, f64>(system, prepared, at, &mut T::memory(system))?;
+        let taken = anew::advance::<H, T, f64, f64>(system, prepared, at, &mut memory);
+        self.memory = Some(memory);
+        taken?;
         into.t = from.t + h;
         Ok(())
     }

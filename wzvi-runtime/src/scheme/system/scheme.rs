@@ -282,7 +282,7 @@ pub trait Scheme<H: Hamiltonian> {
         Ok(())
     }
 
-    /// The length in time of the next step by a [clock](Properties::is_clocked) from a state, where it is
+    /// The time at the end of the next step by a [clock](Properties::is_clocked) from a state, where it is
     /// known before the step; else NaN.
     ///
     /// # Errors

@@ -49,10 +49,13 @@ where
                 false => "`retry` with `on` or `on_time`: an event divides its step; take a smaller step",
             });
         }
-        let (start, grid) = setup.span.checked::<H, E>(system, h)?;
-        // The sign of time in a run by a clock.
-        let h = grid.h;
         let mut stepper = Subdivision::<H, E, S::Sum>::new(system, h, retry, setup.is_watched, threads)?;
+        let (start, grid) = setup.span.checked::<H, E>(system, h)?;
+        if grid.h != h {
+            // A clock runs backwards where its end is before its start.
+            stepper = Subdivision::new(system, grid.h, retry, setup.is_watched, threads)?;
+        }
+        let h = grid.h;
         let described = events.in_words();
         if is_followed {
             stepper = stepper.following(Following::new(system, events, &start, h.signum(), grid.end));

@@ -1,0 +1,282 @@
+//! Events: closed forms of what acts on a path, and what stays as it was.
+
+use fixtures::folder;
+use wzvi::error::StepFailure;
+use wzvi::nalgebra::SVector;
+use wzvi::prelude::*;
+
+/// A body above a floor. Steps of Verlet are exact in a constant field.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + g * q, embedding = [Verlet, Gauss<2>])]
+struct Ball {
+    g: f64,
+}
+
+#[hamiltonian(drift = |q, p| 0.5 * p * p - q.cos(), embedding = [Verlet, Gauss<8>])]
+struct Pendulum;
+
+/// A free body that is pushed about: `p` is the Wiener path itself.
+#[hamiltonian(drift = |q, p| 0.5 * p * p, noise = [|q, p| -s * q], embedding = [Verlet, Midpoint])]
+struct Pushed {
+    s: f64,
+}
+
+type Start = State<SVector<f64, 1>>;
+
+fn ball() -> Ball {
+    Ball { g: 2.0 }
+}
+
+/// At the height `height`, at rest.
+fn at_rest(height: f64) -> Start {
+    State::new([height], [0.0])
+}
+
+/// The times of the bounces of a ball that falls from a height and keeps the fraction `kept` of its speed:
+/// `t_1 = √(2 height/g)`, and then the flights of `2 v/g` each.
+fn bounces(height: f64, kept: f64, number: usize) -> Vec<f64> {
+    let (mut t, mut v) = (height.sqrt(), 2.0 * height.sqrt());
+    (0..number)
+        .map(|_| {
+            let bounce = t;
+            v *= kept;
+            t += v;
+            bounce
+        })
+        .collect()
+}
+
+#[test]
+fn a_ball_bounces_in_closed_form() {
+    for h in [0.3, 0.05] {
+        let ball = ball();
+        let run = ball.simulate::<Verlet>(h).start(at_rest(1.0)).until(8.0);
+        let run = run.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -0.9).run().unwrap();
+        let expected = bounces(1.0, 0.9, 5);
+        assert_eq!(run.events().len(), expected.len());
+        for (event, t) in run.events().iter().zip(expected) {
+            // A unit in the last place of the state in each step, over the speed, which is about 1.
+            assert!((event.before.t - t).abs() < 1e-14 * 8.0 / h, "{h}: {} {t}", event.before.t);
+            assert!(event.before.q[0].abs() < 1e-14, "{h}: {}", event.before.q[0]);
+            assert_eq!(event.after.p[0], -0.9 * event.before.p[0]);
+            assert_eq!((event.event, event.after.t), (0, event.before.t));
+        }
+        // Each bounce keeps 0.81 of the energy, and the work is what is lost.
+        let energy = 2.0 * 0.81_f64.powi(5);
+        assert!((ball.energy(run.last()) - energy).abs() < 1e-13);
+        assert!((run.work() - (energy - 2.0)).abs() < 1e-13);
+        assert_eq!(run.last().t, 8.0);
+        // The nodes are those of a run without events.
+        let free = ball.simulate::<Verlet>(h).start(at_rest(1.0)).until(8.0).run().unwrap();
+        assert!(run.times().eq(free.times()));
+        assert!(run.iter().all(|state| state.q[0] > -1e-14));
+        // Before the first bounce, states are those of that run.
+        let first = run.iter().take_while(|state| state.t < 1.0);
+        assert!(first.zip(free.iter()).all(|(bounced, free)| bounced == free));
+    }
+}
+
+/// Infinitely many bounces in finite time: the run ends where they accumulate, and its remedy works.
+#[test]
+fn bounces_that_accumulate_end_the_run() {
+    let ball = ball();
+    let run = || ball.simulate::<Verlet>(0.3).start(at_rest(1.0)).until(8.0);
+    let bouncing = run().on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -0.5);
+    let (path, error) = bouncing.run_partial().unwrap();
+    // `1 + 2 (1/2 + 1/4 + ...) = 3`
+    let Some(wzvi::Error::Step(error)) = error else { panic!("{error:?}") };
+    assert!(matches!(error.cause, StepFailure::TooManyEvents { t, .. } if (t - 3.0).abs() < 1e-7), "{error}");
+    // All bounces but the last few, which are as short as the rounding of their time, are those of the form.
+    for (event, t) in path.events().iter().zip(bounces(1.0, 0.5, 20)) {
+        assert!((event.before.t - t).abs() < 1e-13, "{} {t}", event.before.t);
+    }
+    let stopped = run().on_towards(
+        Direction::Falling,
+        |s| s.q[0],
+        |s| {
+            s.p[0] *= -0.5;
+            (s.p[0] < 1e-3).then_some(Terminal)
+        },
+    );
+    let stopped = stopped.run().unwrap();
+    assert!(stopped.last().p[0] < 1e-3 && stopped.last().p[0] > 4e-4);
+    assert_eq!(stopped.last(), &stopped.events().last().unwrap().after);
+}
+
+/// A quarter of the period of a pendulum is `K(sin²(a/2))`, by the arithmetic-geometric mean.
+#[test]
+fn a_terminal_event_ends_the_run_at_its_time() {
+    let amplitude = 1.0_f64;
+    let (mut a, mut g) = (1.0_f64, (0.5 * amplitude).cos());
+    for _ in 0..6 {
+        (a, g) = (0.5 * (a + g), (a * g).sqrt());
+    }
+    let quarter = std::f64::consts::FRAC_PI_2 / a;
+    for h in [0.5, 0.11] {
+        let run = Pendulum.simulate::<Gauss<8>>(h).start(State::new([amplitude], [0.0])).until(10.0);
+        let run = run.on(|s| s.q[0], |_| Terminal).run().unwrap();
+        // The scheme is exact to rounding here: a few units in the last place.
+        assert!((run.last().t - quarter).abs() < 1e-14, "{h}: {} {quarter}", run.last().t);
+        assert!(run.last().q[0].abs() < 1e-15);
+        assert_eq!(run.steps(), (quarter / h).ceil() as u64);
+        assert_eq!(run.events().len(), 1);
+        let back = Pendulum.simulate::<Gauss<8>>(-h).start(run.last().clone()).until(-10.0);
+        let back = back.on_towards(Direction::Falling, |s| s.p[0], |_| Terminal).run_partial().unwrap().0;
+        assert!((back.last().t - 0.0).abs() < 1e-7 || back.last().t < 0.0, "{}", back.last().t);
+    }
+}
+
+/// A kicked rotor is the standard map: between kicks the motion is free, and exact.
+#[test]
+fn kicks_make_the_standard_map() {
+    #[hamiltonian(drift = |q, p| 0.5 * p * p, embedding = Verlet)]
+    struct Rotor;
+    let (k, kicks) = (0.7_f64, 40);
+    let mut run = Rotor.simulate::<Verlet>(0.3).start(State::new([1.0], [0.2])).until(f64::from(kicks));
+    for kick in 0..kicks {
+        run = run.on_time(f64::from(kick), move |s| s.p[0] += k * s.q[0].sin());
+    }
+    let path = run.run().unwrap();
+    let (mut q, mut p) = (1.0_f64, 0.2);
+    for event in path.events() {
+        // Regular motion: errors grow with the number of kicks, not exponentially.
+        assert!((event.before.q[0] - q).abs() < 1e-12 && (event.before.p[0] - p).abs() < 1e-12);
+        p += k * q.sin();
+        q += p;
+    }
+    assert_eq!(path.events().len(), kicks as usize);
+    // Backwards, with the kicks taken back.
+    let mut back = Rotor.simulate::<Verlet>(-0.3).start(path.last().clone()).until(0.0);
+    for kick in 0..kicks {
+        back = back.on_time(f64::from(kick), move |s| s.p[0] -= k * s.q[0].sin());
+    }
+    let back = back.run().unwrap();
+    assert!((back.last().q[0] - 1.0).abs() < 1e-11 && (back.last().p[0] - 0.2).abs() < 1e-11);
+}
+
+/// States between nodes, recorded times and sections know of events.
+#[test]
+fn what_is_between_nodes_knows_of_events() {
+    let ball = ball();
+    let bouncing = |h: f64| {
+        let run = ball.simulate::<Verlet>(h).start(at_rest(1.0)).until(8.0);
+        run.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -0.9)
+    };
+    let height = |t: f64| {
+        let before: Vec<f64> = bounces(1.0, 0.9, 6).into_iter().take_while(|&bounce| bounce <= t).collect();
+        let speed = 2.0 * 0.9_f64.powi(before.len() as i32);
+        before.last().map_or(1.0 - t * t, |last| speed * (t - last) - (t - last).powi(2))
+    };
+    let times = [0.95, 1.05, 2.75, 2.85, 4.5];
+    let path = bouncing(0.3).record_every(1).run().unwrap();
+    let recorded = bouncing(0.3).record_at(times).section(|s| s.q[0] - 0.1).run().unwrap();
+    for (t, state) in times.into_iter().zip(&recorded.states()[1..]) {
+        assert!((state.q[0] - height(t)).abs() < 1e-13, "{t}: {}", state.q[0]);
+        let between = path.state_at(&ball, t).unwrap();
+        assert!((between.q[0] - height(t)).abs() < 1e-13, "{t}: {}", between.q[0]);
+    }
+    // The first fall, two crossings for each flight that is over, and one for the last, which is still high.
+    assert!(recorded.last().q[0] > 0.1);
+    assert_eq!(recorded.crossings().len(), 1 + 2 * (recorded.events().len() - 1) + 1);
+    for crossing in recorded.crossings() {
+        assert!((height(crossing.state.t) - 0.1).abs() < 1e-13);
+    }
+}
+
+/// An event that changes nothing leaves a path of noise what it is: `p` is the Wiener path at any division.
+#[test]
+fn events_divide_the_increments_of_a_step() {
+    let pushed = Pushed { s: 0.7 };
+    let run =
+        || pushed.simulate::<Verlet>(0.25).start(State::new([0.0], [0.0])).until(3.1).noise(Wiener::seed(5));
+    let (free, path) =
+        (run().run().unwrap(), run().on_time(0.33, |_| ()).on(|s| s.p[0] - 0.1, |_| ()).run().unwrap());
+    assert!(path.events().len() > 2, "{}", path.events().len());
+    for (free, path) in free.iter().zip(path.iter()) {
+        assert!((free.p[0] - path.p[0]).abs() < 1e-14, "{}", free.t);
+    }
+    for (free, path) in free.increments().zip(path.increments()) {
+        assert!((free[0] - path[0]).abs() < 1e-15);
+    }
+    let w = |t: f64| 0.7 * Wiener::seed(5).value(0, t).unwrap();
+    for event in path.events() {
+        assert!((event.before.p[0] - w(event.before.t)).abs() < 1e-14, "{}", event.before.t);
+    }
+    // Crossings of the path itself, up to what it does within the resolution of its times, some 2e-14 here:
+    // `0.7 √(2e-14) = 1e-7`, of which ten are never seen.
+    assert!(
+        path.events()
+            .iter()
+            .filter(|event| event.event == 1)
+            .all(|event| (event.before.p[0] - 0.1).abs() < 1e-6)
+    );
+}
+
+/// A run that stops and resumes has the bits of one that does not.
+#[test]
+fn a_run_with_events_resumes() {
+    let file = folder!("events").join("ball.checkpoint");
+    let ball = ball();
+    let run = |end: f64| {
+        let run = ball.simulate::<Verlet>(0.05).start(at_rest(1.0)).until(end);
+        let run = run.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -0.9);
+        run.on_time(3.33, |s| s.p[0] += 0.5).section(|s| s.p[0])
+    };
+    let whole = run(8.0).run().unwrap();
+    run(4.0).checkpoint(Checkpoint::to(&file).every_steps(20)).run().unwrap();
+    let resumed = run(8.0).checkpoint(Checkpoint::to(&file).every_steps(20)).run().unwrap();
+    assert_eq!(resumed.states(), whole.states());
+    assert_eq!(resumed.events(), whole.events());
+    assert_eq!(resumed.crossings(), whole.crossings());
+}
+
+/// 64 balls from different heights, each against its closed form, on any number of threads; and a path of
+/// the ensemble is a run.
+#[test]
+fn an_ensemble_of_balls_bounces_in_closed_form() {
+    let ball = ball();
+    let heights = || (0..64).map(|i| 0.5 + 0.02 * f64::from(i));
+    let balls = |threads: usize| {
+        let run =
+            ball.ensemble::<Verlet>(0.1).starts_from(heights().map(at_rest)).until(4.0).threads(threads);
+        let run = run.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -0.9);
+        run.observe("height", |s| s.q[0]).record_at([1.5, 2.5]).run().unwrap()
+    };
+    let (one, two) = (balls(1), balls(2));
+    let form = |height: f64, t: f64| {
+        let all = bounces(height, 0.9, 9);
+        let before = all.iter().take_while(|&&bounce| bounce <= t).count();
+        let speed = 2.0 * height.sqrt() * 0.9_f64.powi(before as i32);
+        before.checked_sub(1).map_or(height - t * t, |last| speed * (t - all[last]) - (t - all[last]).powi(2))
+    };
+    for (node, t) in [0.0, 1.5, 2.5, 4.0].into_iter().enumerate() {
+        let mean = heights().map(|height| form(height, t)).sum::<f64>() / 64.0;
+        let [found, again] = [&one, &two].map(|many| many.nodes()[node].mean(0));
+        assert!((found - mean).abs() < 1e-13, "{t}: {found} {mean}");
+        assert_eq!(found, again);
+    }
+    let replayed = ball.ensemble::<Verlet>(0.1).starts_from(heights().map(at_rest)).until(4.0);
+    let replayed =
+        replayed.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -0.9).replay(17).unwrap().0;
+    let alone = ball.simulate::<Verlet>(0.1).start(at_rest(0.5 + 0.02 * 17.0)).until(4.0).plain_sums();
+    let alone = alone.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -0.9).run().unwrap();
+    assert_eq!(replayed.last(), alone.last());
+    assert_eq!(replayed.events(), alone.events());
+}
+
+/// What has no meaning with events is refused in words.
+#[test]
+fn settings_that_events_exclude_are_refused() {
+    let ball = ball();
+    let run = || ball.simulate::<Verlet>(0.1).start(at_rest(1.0)).until(1.0).on(|s| s.q[0], |_| ());
+    let refused = [
+        run().retry(Retry::halving(3)).run().unwrap_err().to_string(),
+        run().tangent().map(drop).unwrap_err().to_string(),
+        run().time_averages().run().map(drop).unwrap_err().to_string(),
+    ];
+    for said in refused {
+        assert!(said.contains("`on`") && said.contains("leave") || said.contains("smaller step"), "{said}");
+    }
+    let many = ball.ensemble::<Verlet>(0.1).start(at_rest(1.0)).paths(4).until(1.0).on(|s| s.q[0], |_| ());
+    let said = many.first_passage("floor", |s| s.q[0]).run().map(drop).unwrap_err().to_string();
+    assert!(said.contains("`first_passage`") && said.contains("Terminal"), "{said}");
+}
