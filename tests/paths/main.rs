@@ -6,6 +6,7 @@
 mod between;
 mod chaos;
 mod checkpoint;
+mod clock;
 mod events;
 mod high_order;
 mod jumps;
