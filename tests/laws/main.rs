@@ -18,6 +18,8 @@ mod brouwer;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod chaos_errors;
 #[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
+mod clock;
+#[cfg(all(any(clippy, not(debug_assertions)), not(feature = "short")))]
 mod constraints;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod convergence;

@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod adjoint;
+mod clock;
 mod compensation;
 mod composition;
 mod conditions;

@@ -13,8 +13,8 @@
 //! the order of `Φ`, up to that of the clock itself, and `ρ Q` oscillates without drift (E. Hairer, G.
 //! Söderlind, "Explicit, time reversible, adaptive step size control", SIAM J. Sci. Comput. 26, 2005).
 //!
-//! [`Extended`] steps the Hamiltonian `K = Q (H + p_t)` of the extended phase space, whose flow is that of `H`
-//! in the time `τ` of the clock: symplectic, and errors of the energy are restored where `Q` is large (E.
+//! [`Extended`] steps the Hamiltonian `K = Q (H + p_t)` of the extended phase space, whose flow is that of
+//! `H` in the time `τ` of the clock: symplectic, and errors of the energy are restored where `Q` is large (E.
 //! Hairer, "Variable time step integration with symplectic methods", Appl. Numer. Math. 25, 1997). For
 //! `H = T(p) + V(q)` with `V < 0`, [`Logarithmic`] steps `K = f(T + p_t) - f(-V)` explicitly (S. Mikkola, K.
 //! Tanikawa 1999; M. Preto, S. Tremaine 1999).

@@ -176,6 +176,8 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
     let structure = structure(plans);
     let (f64, elements) = (f64_type(), quote!(__wzvi::elements));
     let runs = has_loops.then(|| quote!(use #elements::AdjacentSums as _;));
+    // Steps in the extended phase space read values at all stages, in vector code.
+    let at_stages = model.is_extended().then(|| quote!(#[cfg_attr(not(debug_assertions), inline(always))]));
     let body = quote! {
             const FACTS: __wzvi::Facts = #known;
             type Shape = #shape;
@@ -183,6 +185,7 @@ pub(crate) fn elements(model: &mut System, facts: &Facts, plans: &Plans) -> Toke
             #declared
             #places
 
+            #at_stages
             fn value<__S: __wzvi::Scalar>(
                 &self,
                 __role: #elements::Role,

@@ -228,7 +228,7 @@ pub struct ClockMemory<N, M, P, C> {
     lists: [Vec<N>; 3],
 }
 
-/// What a clock knows at a node.
+/// The density and the time at a node.
 #[derive(Clone, Copy, Debug, Default)]
 struct ClockState<N> {
     /// `ρ`
@@ -301,7 +301,7 @@ where
 }
 
 impl<N: Constant<Constant = N>, M: StepMemory, P, C: StateSum<N>> ClockMemory<N, M, P, C> {
-    /// What the clock knows at a node: from the step before, or at a start.
+    /// The density and the time at a node: from the step before, or at a start.
     ///
     /// # Errors
     /// [`StepFailure::ClockNotPositive`]

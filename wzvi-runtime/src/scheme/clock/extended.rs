@@ -102,7 +102,7 @@ struct ExtendedState<N: Scalar> {
 
 /// How a step of `ε` moves a point of the extended phase space.
 trait ExtendedStep<H, N: Scalar> {
-    /// What a step leaves for the next one.
+    /// The data that a step leaves for the next one.
     type Memory: StepMemory;
 
     /// Moves the state. On `Err` it may be anywhere.

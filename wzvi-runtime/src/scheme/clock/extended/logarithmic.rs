@@ -9,10 +9,10 @@
 //! B(e)   p ← p - e (-V)^{-a} V'
 //! ```
 //!
-//! A step is `A(ε/2) B(ε) A(ε/2)`. For `a = 1` the orbits of Kepler's problem are exact but for their time (S.
-//! Mikkola, K. Tanikawa, "Explicit symplectic algorithms for time-transformed Hamiltonians", Celest. Mech.
-//! Dyn. Astron. 74, 1999; M. Preto, S. Tremaine, "A class of symplectic integrators with adaptive time step
-//! for separable Hamiltonian systems", Astron. J. 118, 1999).
+//! A step is `A(ε/2) B(ε) A(ε/2)`. For `a = 1` the orbits of Kepler's problem are exact but for their time
+//! (S. Mikkola, K. Tanikawa, "Explicit symplectic algorithms for time-transformed Hamiltonians", Celest.
+//! Mech. Dyn. Astron. 74, 1999; M. Preto, S. Tremaine, "A class of symplectic integrators with adaptive time
+//! step for separable Hamiltonian systems", Astron. J. 118, 1999).
 
 use std::marker::PhantomData;
 

@@ -8,6 +8,7 @@ use crate::algebra::scalar::{Constant, Dual, Number, Reals, Scalar};
 use crate::algebra::shape::Fixed;
 use crate::algebra::state_sum::CompensatedSum;
 use crate::error::StepFailure;
+use crate::ground::numbers::{Numbers as _, Tape};
 use crate::scheme::clock::{Attractive, Clock, Extended, Extends, Logarithmic};
 use crate::scheme::compose::{Composes, General, Nystrom, SingleStep, Verlet, Yoshida4};
 use crate::scheme::elements::{CommonRange, ElementInput, Elements, EvaluationPoint, Partials, Role, Sums};
@@ -237,4 +238,36 @@ fn steps_without_a_solution_fail() {
     let taken = advance(&SplittingWord::<1, 1>(&word), &system, at, &mut memory);
     assert!(matches!(taken, Err(StepFailure::ClockTooCoarse { .. })), "{taken:?}");
     assert_eq!((q, p), ([2.0, 0.0], [2.0, 0.0]));
+}
+
+/// The words of a checkpoint have `p_t`, the time with its rounding error, and the stages of the last step.
+#[test]
+fn a_memory_is_restored_to_the_bit() {
+    fn check<H: Elements, T: ExtendedStep<H, f64>>(step: &T, system: &H, q: &[f64], p: &[f64]) {
+        let system = SystemIn { system, parameters: &[] };
+        let (mut q, mut p, mut memory) =
+            (q.to_vec(), p.to_vec(), ExtendedMemory::<f64, T::Memory>::default());
+        let steps = |q: &mut Vec<f64>, p: &mut Vec<f64>, memory: &mut ExtendedMemory<f64, T::Memory>| {
+            let (mut t, mut states) = (memory.state.time.t, Vec::new());
+            for _ in 0..5 {
+                let at = StepArguments { t, h: 0.3, q: &mut q[..], p: &mut p[..], dw: &[] };
+                advance(step, &system, at, memory).unwrap();
+                t = memory.reading.t;
+                states.extend([&q[..], p, &[t]].concat().into_iter().map(f64::to_bits));
+            }
+            states
+        };
+        steps(&mut q, &mut p, &mut memory);
+        let mut restored = ExtendedMemory::<f64, T::Memory>::default();
+        Tape::read(Tape::write(|tape| memory.pass(tape)), |tape| restored.pass(tape)).unwrap();
+        let (mut own_q, mut own_p) = (q.clone(), p.clone());
+        let on = steps(&mut q, &mut p, &mut memory);
+        assert_eq!(steps(&mut own_q, &mut own_p, &mut restored), on);
+    }
+    check(&ExtendedGauss::<3>, &Driven, &[0.7], &[0.4]);
+    check(&ExtendedGauss::<3>, &Kepler, &[0.5, 0.2], &[-0.4, 1.6]);
+    let word = <Yoshida4 as Composes<Extended<Verlet>>>::word();
+    check(&PairWord(&word), &Kepler, &[0.5, 0.2], &[-0.4, 1.6]);
+    let word = <Yoshida4 as Composes<Logarithmic<3, 2>>>::word();
+    check(&SplittingWord::<3, 2>(&word), &Kepler, &[0.5, 0.2], &[-0.4, 1.6]);
 }
