@@ -2,9 +2,9 @@
 
 use super::Field;
 use super::memory::{GaussHistoryOf, GaussInput, GaussInputOf, GaussMemory, GaussMemoryOf, StageLists};
-use super::stiff::StiffModes;
+use super::stiff::{StiffModes, StiffSpectrum};
 use super::sweep::StepOutcome;
-use super::tableau::Tableau;
+use super::tableau::{NodePolynomials, Tableau};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::{ComputesWith, Constant, Constants, ConstantsIn, Parameters, Scalar};
@@ -52,16 +52,16 @@ impl<P, const N: usize, K: Constant> GaussConstants<P, N, K> {
         F::Parameters: Constants<In<K> = P>,
     {
         let size = h.lane(0);
-        self.common.table.extrapolate(size / self.h);
+        let SharedConstants { table, polynomials, .. } = &mut self.common;
+        let known = polynomials.get_or_insert_with(|| Box::new(table.node_polynomials()));
+        table.extrapolate(known, size / self.h);
         self.h = size;
         if F::FACTS.kind.is_conformal {
             let rate = system.friction_rate(&varied_without_lists(system, lift)?);
             self.friction = FrictionScaling::new(rate, &self.common.table, h);
         }
-        if F::IS_STIFF {
-            let parameters = F::Parameters::lane::<K>(&self.parameters, 0);
-            self.common.modes = StiffModes::new(system, &parameters, &self.common.table, size);
-        }
+        let SharedConstants { table, spectrum, modes, .. } = &mut self.common;
+        *modes = spectrum.as_ref().and_then(|spectrum| spectrum.modes(table, size));
         Ok(())
     }
 }
@@ -73,6 +73,9 @@ pub(super) struct SharedConstants<const N: usize> {
     /// The linear part of a stiff force. It affects the convergence of sweeps, not their result, and so
     /// carries no derivatives.
     modes: Option<StiffModes<N>>,
+    spectrum: Option<StiffSpectrum>,
+    /// Made for the first step of another size.
+    polynomials: Option<Box<NodePolynomials<N>>>,
     instructions: InstructionSet,
     /// The instructions for one path, whose lists have a number for each stage.
     of_stages: InstructionSet,
@@ -123,14 +126,22 @@ pub(super) fn prepare<F: Field, K: Constant, const N: usize>(
     no_nan(system)?;
     let table = Tableau::get();
     let parameters = system.parameters(lift);
-    let modes = StiffModes::new(system, &F::Parameters::lane(&parameters, 0), &table, h.lane(0));
+    let spectrum = StiffSpectrum::new(system, &F::Parameters::lane(&parameters, 0), &table);
+    let modes = spectrum.as_ref().and_then(|spectrum| spectrum.modes(&table, h.lane(0)));
     let rate = match F::FACTS.kind.is_conformal {
         true => system.friction_rate(&varied_without_lists(system, lift)?),
         false => K::from_f64(0.0),
     };
     let friction = FrictionScaling::new(rate, &table, h);
     let instructions = InstructionSet::best();
-    let common = SharedConstants { table, modes, instructions, of_stages: instructions.for_list(N) };
+    let common = SharedConstants {
+        table,
+        modes,
+        spectrum,
+        polynomials: None,
+        instructions,
+        of_stages: instructions.for_list(N),
+    };
     Ok(GaussConstants { parameters, friction, common, h: h.lane(0) })
 }
 

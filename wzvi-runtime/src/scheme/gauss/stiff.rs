@@ -64,25 +64,35 @@ impl<T: Copy> ModalStages<T> {
     }
 }
 
-impl<const N: usize> StiffModes<N> {
-    /// The modes of a system; `None` if they do not pay.
-    pub(super) fn new<F: Field>(
+/// The eigenvalues of `M⁻¹K` and its eigenvectors: what modes have in common at any step size.
+#[derive(Clone, Debug)]
+pub(super) struct StiffSpectrum {
+    eigenvalues: Vec<f64>,
+    basis: Option<[Vec<f64>; 2]>,
+    /// The largest eigenvalue.
+    stiffest: f64,
+    /// `ρ(A²)`
+    radius: f64,
+}
+
+impl StiffSpectrum {
+    /// The spectrum of a system with a stiff force; `None` for others.
+    pub(super) fn new<F: Field, const N: usize>(
         system: &F,
         parameters: &ConstantsIn<F::Parameters, f64>,
         table: &Tableau<N>,
-        h: f64,
     ) -> Option<Self> {
         let degrees = system.degrees();
-        let mut stiffness = vec![0.0; degrees * degrees];
         if !F::IS_STIFF || !F::IS_NYSTROM || degrees == 0 {
             return None;
         }
+        let mut stiffness = vec![0.0; degrees * degrees];
         system.stiffness(&[], &mut stiffness);
         let stiffness = DMatrix::from_row_slice(degrees, degrees, &stiffness);
-        Self::of(stiffness, inverse_mass(system, parameters, degrees), table, h)
+        Self::of(stiffness, inverse_mass(system, parameters, degrees), &square(table))
     }
 
-    fn of(stiffness: DMatrix<f64>, inverse_mass: DMatrix<f64>, table: &Tableau<N>, h: f64) -> Option<Self> {
+    fn of(stiffness: DMatrix<f64>, inverse_mass: DMatrix<f64>, square: &DMatrix<f64>) -> Option<Self> {
         let degrees = stiffness.nrows();
         if !stiffness.iter().chain(inverse_mass.iter()).all(|number| number.is_finite()) {
             return None;
@@ -101,20 +111,36 @@ impl<const N: usize> StiffModes<N> {
         } else {
             ((0..degrees).map(|d| stiffness[(d, d)] * inverse_mass[(d, d)]).collect(), None)
         };
-        let square = DMatrix::from_fn(N, N, |i, j| table.eta[j][i] * table.b[j]);
         let stiffest = eigenvalues.iter().copied().fold(0.0, f64::max);
-        if h * h * stiffest * spectral_radius(&square) < FAST {
+        Some(Self { eigenvalues, basis, stiffest, radius: spectral_radius(square) })
+    }
+
+    /// The modes of steps of this size; `None` if they do not pay.
+    pub(super) fn modes<const N: usize>(&self, table: &Tableau<N>, h: f64) -> Option<StiffModes<N>> {
+        let Self { eigenvalues, basis, stiffest, radius } = self;
+        if h * h * stiffest * radius < FAST {
             return None;
         }
-        let filter = |eigenvalue: f64| -> Option<[[f64; N]; N]> {
+        let square = square(table);
+        let filter = |eigenvalue: &f64| -> Option<[[f64; N]; N]> {
             // Unstable modes are not stiff.
             let matrix = DMatrix::identity(N, N) + &square * (h * h * eigenvalue.max(0.0));
             let inverse = matrix.try_inverse()?;
             Some(std::array::from_fn(|j| std::array::from_fn(|i| inverse[(i, j)])))
         };
-        Some(Self { filters: eigenvalues.into_iter().map(filter).collect::<Option<_>>()?, basis })
+        Some(StiffModes {
+            filters: eigenvalues.iter().map(filter).collect::<Option<_>>()?,
+            basis: basis.clone(),
+        })
     }
+}
 
+/// `A²`
+fn square<const N: usize>(table: &Tableau<N>) -> DMatrix<f64> {
+    DMatrix::from_fn(N, N, |i, j| table.eta[j][i] * table.b[j])
+}
+
+impl<const N: usize> StiffModes<N> {
     /// Replaces the change by a sweep by that with the linear force solved implicitly.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn filter<S: Scalar>(
@@ -209,8 +235,7 @@ mod tests {
     fn spectral_radii_are_those_of_the_methods() {
         fn check<const N: usize>(exact: f64) {
             let table = Tableau::<N>::get();
-            let square = DMatrix::from_fn(N, N, |i, j| table.eta[j][i] * table.b[j]);
-            let radius = spectral_radius(&square);
+            let radius = spectral_radius(&square(&table));
             // The condition of the eigenvectors is at most 2.9e8 (16 stages), and 2.9e8^(1/4096) = 1.0048.
             assert!((radius / exact - 1.0).abs() < 0.005, "{N}: {radius}");
         }

@@ -35,7 +35,22 @@ pub(super) struct Tableau<const N: usize> {
     pub(super) kappa: [[f64; N]; N],
 }
 
+/// `(2k+1) P_k(2 c_j - 1)` by rows `k`: what starting values for steps of all sizes have in common.
+pub(super) type NodePolynomials<const N: usize> = [[f64; N]; N];
+
 impl<const N: usize> Tableau<N> {
+    /// The polynomials at the nodes, for [`Tableau::extrapolate`].
+    pub(super) fn node_polynomials(&self) -> NodePolynomials<N> {
+        let mut rows = [[0.0; N]; N];
+        for (j, c) in self.c.iter().enumerate() {
+            let (p, _) = legendre_to::<N>(2.0 * c - 1.0);
+            for (k, row) in rows.iter_mut().enumerate() {
+                row[j] = (2.0 * k as f64 + 1.0) * if k == 0 { 1.0 } else { p[k - 1] };
+            }
+        }
+        rows
+    }
+
     /// Makes `ν` and `κ` those for a next step that is `ratio` times as long as this one:
     ///
     /// ```text
@@ -44,9 +59,7 @@ impl<const N: usize> Tableau<N> {
     ///
     /// in sums over Legendre polynomials, as the others. They are starting values, which nothing multiplies
     /// to the last digit.
-    pub(super) fn extrapolate(&mut self, ratio: f64) {
-        // `P_k` at the nodes.
-        let at_nodes = self.c.map(|c| legendre_to::<N>(2.0 * c - 1.0).0);
+    pub(super) fn extrapolate(&mut self, polynomials: &NodePolynomials<N>, ratio: f64) {
         for i in 0..N {
             let (p, beyond) = legendre_to::<N>(2.0 * ratio * self.c[i] + 1.0);
             let at = |k: usize| match k {
@@ -54,35 +67,55 @@ impl<const N: usize> Tableau<N> {
                 k if k > N => beyond,
                 k => p[k - 1],
             };
-            // `∫ P_k` from `x = 1`, where `P_{-1}` is the constant 1, as `P_0` is.
-            let once = |k: usize| (at(k + 1) - at(k.saturating_sub(1))) / (2.0 * (2.0 * k as f64 + 1.0));
-            for (j, of_node) in at_nodes.iter().enumerate() {
-                let (mut first, mut second) = (0.0, 0.0);
-                for k in 0..N {
-                    let weight = (2.0 * k as f64 + 1.0) * if k == 0 { 1.0 } else { of_node[k - 1] };
-                    let twice = match k {
-                        0 => once(0) * once(0) * 0.5,
-                        _ => (once(k + 1) - once(k - 1)) / (2.0 * (2.0 * k as f64 + 1.0)),
-                    };
-                    first += weight * once(k);
-                    second += weight * twice;
+            // `∫ P_k` from `x = 1`, where `P_{-1}` is the constant 1, as `P_0` is; and `∫∫ P_k`.
+            let once = |k: usize| 0.5 * ODD_RECIPROCAL[k] * (at(k + 1) - at(k.saturating_sub(1)));
+            let (mut first, mut second) = ([0.0; N], [0.0; N]);
+            for (k, row) in polynomials.iter().enumerate() {
+                let single = once(k);
+                let double = match k {
+                    0 => 0.5 * single * single,
+                    _ => 0.5 * ODD_RECIPROCAL[k] * (once(k + 1) - once(k - 1)),
+                };
+                for j in 0..N {
+                    first[j] += single * row[j];
+                    second[j] += double * row[j];
                 }
-                self.nu[j][i] = first;
-                self.kappa[j][i] = second / ratio;
+            }
+            for j in 0..N {
+                self.nu[j][i] = first[j];
+                self.kappa[j][i] = second[j] / ratio;
             }
         }
     }
 }
 
+/// `1/(2k + 1)`
+const ODD_RECIPROCAL: [f64; MOST_STAGES + 2] = {
+    let (mut list, mut k) = ([0.0; MOST_STAGES + 2], 0);
+    while k < list.len() {
+        list[k] = 1.0 / (2.0 * k as f64 + 1.0);
+        k += 1;
+    }
+    list
+};
+
+/// `1/k`, but for `k = 0`.
+const RECIPROCAL: [f64; MOST_STAGES + 2] = {
+    let (mut list, mut k) = ([0.0; MOST_STAGES + 2], 1);
+    while k < list.len() {
+        list[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    list
+};
+
 /// `P_1(y) ... P_N(y)`, and `P_{N+1}(y)`.
 fn legendre_to<const N: usize>(y: f64) -> ([f64; N], f64) {
     let (mut p, mut before, mut now) = ([0.0; N], 1.0, y);
-    let next = |k: usize, now: f64, before: f64| {
-        ((2.0 * k as f64 + 1.0) * y * now - k as f64 * before) / (k as f64 + 1.0)
-    };
-    for (k, entry) in p.iter_mut().enumerate() {
+    for (k, entry) in (1..).zip(p.iter_mut()) {
         *entry = now;
-        (before, now) = (now, next(k + 1, now, before));
+        let next = ((2.0 * k as f64 + 1.0) * y * now - k as f64 * before) * RECIPROCAL[k + 1];
+        (before, now) = (now, next);
     }
     (p, now)
 }
@@ -248,7 +281,7 @@ mod tests {
         let table = Tableau::<8>::get();
         for ratio in [1.0, 0.7, 1.6] {
             let mut other = table;
-            other.extrapolate(ratio);
+            other.extrapolate(&table.node_polynomials(), ratio);
             for i in 0..8 {
                 // `∫_1^{1 + r c} x^4 dx` and its second integral, divided by `r`.
                 let end = 1.0 + ratio * table.c[i];
