@@ -6,6 +6,7 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod attributes;
+mod clock;
 mod constants_only;
 mod embeddings;
 mod fields;

@@ -67,7 +67,7 @@ fn with_dependency(
 /// struct Kubo { a: f64, sigma: f64 }
 /// ```
 ///
-/// The other keys are `force`, `noise_force`, `friction`, `damping`, `temperature`, `constraint` and
+/// The other keys are `force`, `noise_force`, `friction`, `damping`, `temperature`, `constraint`, `clock` and
 /// `calculus`.
 ///
 /// The patterns of a closure declare the phase space. They are the coordinates, the momenta and, if it is

@@ -15,7 +15,7 @@ use crate::model::System;
 use crate::symbolic::{Expr, Graph, Rational};
 
 /// Drift with what is beside it, the struct, and schemes: each is generated in the same way beside any other.
-const SYSTEMS: [(&str, &str, &[&str]); 8] = [
+const SYSTEMS: [(&str, &str, &[&str]); 10] = [
     (
         "drift = |[x, y], [px, py]| 0.5 * (px * px / m + py * py / n) + 0.5 * k * (x * x + y * y) + c * x * x * y",
         "struct Oscillators { m: f64, n: f64, k: f64, c: f64 }",
@@ -53,6 +53,20 @@ const SYSTEMS: [(&str, &str, &[&str]); 8] = [
             invariant = |[x, y], [px, py]| (x * py - y * px).powi(2)",
         "struct Kepler { mu: f64 }",
         &["Midpoint", "DeltaPlus", "Gauss<4>"],
+    ),
+    (
+        "drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) - mu / (x * x + y * y).sqrt(), clock = curvature(mu)",
+        "struct Kepler { mu: f64 }",
+        &["Midpoint", "Verlet", "Gauss<2>"],
+    ),
+    (
+        "drift = |q: &[[f64; 2]], p: &[[f64; 2]]| \
+            (0..q.len()).map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1]) / mass[i]).sum::<f64>() \
+            - (0..q.len()).map(|i| (0..i).map(|j| \
+                mass[i] * mass[j] / (q[i][0] - q[j][0]).hypot(q[i][1] - q[j][1])).sum::<f64>()).sum::<f64>(), \
+            clock = pairs",
+        "struct Bodies { mass: Vec<f64> }",
+        &["Midpoint", "Verlet", "Gauss<2>"],
     ),
     (
         "drift = |[x, y], [px, py]| 0.5 * (px * px / m + py * py) + 0.25 * k * (x - y).powi(4), \
@@ -98,6 +112,22 @@ fn of_scheme<'t>(all: &'t BTreeSet<String>, scheme: &str) -> Vec<&'t String> {
     let marks =
         [format!("StraightLine<{scheme},"), format!("Discretized<{scheme}>")].map(|mark| dense(&mark));
     all.iter().filter(|text| marks.iter().any(|mark| dense(text).contains(mark))).collect()
+}
+
+/// A clock changes neither the step of a scheme nor its text.
+#[test]
+fn schemes_are_those_of_the_system_without_clock() {
+    let drift = "drift = |[x, y], [px, py]| 0.5 * (px * px / m + py * py / m) - k / (x * x + y * y).sqrt()";
+    let (item, schemes) = ("struct Kepler { m: f64, k: f64 }", ["Midpoint", "Verlet", "Gauss<2>"]);
+    let plain = implementations(drift, item, &schemes);
+    for clock in
+        ["curvature", "curvature(k)", "|[x, y], [px, _]| (x * x + y * y).powf(0.75) / (k + m * px * px)"]
+    {
+        let clocked = implementations(&format!("{drift}, clock = {clock}"), item, &schemes);
+        for scheme in schemes {
+            assert_eq!(of_scheme(&plain, scheme), of_scheme(&clocked, scheme), "{clock}");
+        }
+    }
 }
 
 #[test]

@@ -33,7 +33,8 @@ impl Stubs {
         self.schemes = if declaration.all_embeddings_known {
             let parameters = quote! { #parameters };
             let types = declaration.embeddings.iter().map(|(known, _)| known.value.path(crate_path));
-            types.map(|ty| (parameters.clone(), ty)).collect()
+            let clocked = declaration.clocked.iter().map(|(known, _)| known.value.path(crate_path));
+            types.chain(clocked).map(|ty| (parameters.clone(), ty)).collect()
         } else {
             // The program may use the misspelled name.
             let mut generics = item.generics.clone();
