@@ -143,8 +143,10 @@ fn check_constraints(system: &mut System, facts: &Facts, diagnostics: &mut Diagn
 /// No noise changes the clock, whose density would need its noise.
 fn check_clock(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
     if let (Some(clock), Some(NoiseOfClock { along, rate })) = (&system.clock, &facts.clock.noise) {
-        let rate = rate.sum.as_ref().map(|sum| facts.space.display(&mut system.graph, sum, Rational::ONE));
-        diagnostics.report(messages::noise_of_clock(clock.term.extent, along, &rate.unwrap_or_default()));
+        let KnownSum { sum, known } = rate;
+        let rate = sum.as_ref().map(|sum| facts.space.display(&mut system.graph, sum, Rational::ONE));
+        let rate = rate.unwrap_or_default();
+        diagnostics.report(messages::noise_of_clock(clock.term.extent, along, &rate, known));
     }
 }
 

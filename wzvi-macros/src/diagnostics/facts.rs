@@ -96,8 +96,12 @@ messages! {
     clock_of_bath(found) = "a bath acts on every momentum, by noise and friction that are no part of this clock's rate: let it read \
         coordinates only, `clock = |q, _| ...`";
     /// `{{H_k, Q}}` of a noise does not vanish.
-    noise_of_clock(found, along: &str, rate: &str) = "a noise changes this clock: {along} = {rate} does not vanish, and the length of a step would \
-        depend on its own noise; take a clock that noises leave as it is: one that reads coordinates only, where noises read \
+    noise_of_clock(found, along: &str, rate: &str, knowledge: &Knowledge) {
+        finding = match knowledge {
+            Knowledge::Unknown(reason) => format!("may change this clock: {along} = {rate} could not be proven to vanish ({reason}), and then"),
+            _ => format!("changes this clock: {along} = {rate} does not vanish, and"),
+        };
+    } = "a noise {finding} the length of a step would depend on its own noise; take a clock that noises leave as it is: one that reads coordinates only, where noises read \
         coordinates only or are forces";
     frequency_in_loops(found) = "the frequency of `curvature(w0)` is one number of fields, such as `curvature(self.w0)`";
     curvature_of_many(found, most: usize) = "`curvature` has a term for each pair of coordinates, and is derived for up to {most} of them, whose \

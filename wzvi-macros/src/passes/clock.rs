@@ -11,15 +11,19 @@
 //! loops, and powers are not differentiated. `db/dt = {H0, b} + ∂b/∂t + F0 · ∂b/∂p`, less that of friction.
 
 mod curvature;
+mod distances;
 mod pairs;
 #[cfg(test)]
 mod tests;
 
 use std::collections::HashMap;
 
+use self::distances::Distances;
 use crate::diagnostics::{Diagnostics, Extent, facts as messages};
 use crate::discretise::{Calculus, DriftFlow, Space, Sum, Weighted, unweighted};
-use crate::model::{Clock, ClockKind, CollectiveRole, CollectiveSlot, Element, Reads, System, Term};
+use crate::model::{
+    Clock, ClockKind, Collective, CollectiveRole, CollectiveSlot, Element, Reads, System, Term,
+};
 use crate::symbolic::sign::Sign;
 use crate::symbolic::{Expr, Function, Graph, Node, Rational, Symbol};
 
@@ -36,30 +40,55 @@ pub(crate) fn clock(system: &mut System, diagnostics: &mut Diagnostics) {
         ClockKind::Curvature => curvature::derive(system, &clock.term),
         ClockKind::Pairs => pairs::derive(system, &clock.term),
     };
-    let Some(Derived { values, elements, rate, mut text }) = diagnostics.accept(derived) else { return };
+    let Some(Derived { values, elements, rate, text }) = diagnostics.accept(derived) else { return };
     let reads = values.iter().map(Element::reads).fold(Reads { q: false, p: false }, Reads::or);
     if reads.p && system.has_thermostat() {
         diagnostics.report(messages::clock_of_bath(clock.term.extent));
     }
-    let term = Term { values, elements, ..clock.term };
     let collectives: Vec<u32> = (known..system.collectives.all().len()).map(|number| number as u32).collect();
-    text.push_str(&variables(system, &collectives, &rate));
+    let text = text.unwrap_or_else(|| text_of(system, clock.kind, &values, &rate, &collectives));
+    let term = Term { values, elements, ..clock.term };
     system.clock = Some(Clock { term, rate, text, collectives, ..clock });
 }
 
-/// The lines of the collective variables with these numbers that `Q` and `G` are made of: sums, and slopes by
-/// these that `G` reads.
-fn variables(system: &mut System, numbers: &[u32], rate: &[Element]) -> String {
-    let (space, mut text) = (Space::of(system), String::new());
-    let System { graph, collectives, .. } = system;
-    for &number in numbers {
-        let variable = collectives.numbered(number);
-        let is_read = rate.iter().flat_map(Element::collectives).any(|(symbol, _)| symbol == variable.symbol);
-        if variable.is_sum() || is_read {
-            let value = space.display(graph, &unweighted(&variable.elements), Rational::ONE);
-            text.push_str(&format!("  {} = {value}\n", graph.symbol_name(variable.symbol)));
+/// `Q` and `G`, and the collective variables with these numbers that they are made of: sums, and slopes by
+/// these that `G` reads. Pairs are written in distances.
+fn text_of(
+    system: &mut System,
+    kind: ClockKind,
+    values: &[Element],
+    rate: &[Element],
+    numbers: &[u32],
+) -> String {
+    let read: Vec<Symbol> = rate.iter().flat_map(Element::collectives).map(|(symbol, _)| symbol).collect();
+    let variables = numbers.iter().map(|&number| system.collectives.numbered(number).clone());
+    let variables: Vec<Collective> =
+        variables.filter(|known| known.is_sum() || read.contains(&known.symbol)).collect();
+    let distances = match kind {
+        ClockKind::Pairs => {
+            let of_variables = variables.iter().flat_map(|known| &known.elements);
+            let all: Vec<&Element> = values.iter().chain(rate).chain(of_variables).collect();
+            let roots: Vec<Expr> = all.iter().map(|element| element.value).collect();
+            let moving: Vec<Symbol> = all.iter().flat_map(|element| element.state()).collect();
+            Distances::of(system, &roots, &moving).in_text(&mut system.graph)
         }
+        ClockKind::Function | ClockKind::Curvature => Distances::default(),
+    };
+    let (space, graph) = (Space::of(system), &mut system.graph);
+    let display = |graph: &mut Graph, elements: &[Element]| {
+        let mut sum = unweighted(elements);
+        for Weighted { element, .. } in &mut sum {
+            element.value = distances.within(graph, element.value);
+        }
+        space.display(graph, &sum, Rational::ONE)
+    };
+    let [q, g] = [values, rate].map(|elements| display(graph, elements));
+    let mut text = lines(&q, &g);
+    for known in &variables {
+        let value = display(graph, &known.elements);
+        text.push_str(&format!("  {} = {value}\n", graph.symbol_name(known.symbol)));
     }
+    text.push_str(&distances.lines(graph));
     text
 }
 
@@ -69,7 +98,8 @@ struct Derived {
     /// For derivatives of `Q`, where a scheme takes these.
     elements: Vec<Element>,
     rate: Vec<Element>,
-    text: String,
+    /// Where the text is not that of these elements.
+    text: Option<String>,
 }
 
 /// The clock that is the user's function.
@@ -97,10 +127,9 @@ fn of_value(system: &mut System, extent: Extent, value: Expr) -> syn::Result<Der
     let own = unweighted(&[sums.space.element_of(sums.graph, value)]);
     let rate = log_rate(sums, &flow, value).ok_or_else(|| messages::clock_of_elements(extent))?;
     let elements = if is_extended { sums.opened(&own) } else { Sum::new() };
-    let [q, g] = [&own, &rate].map(|sum| space.display(&mut system.graph, sum, Rational::ONE));
     system.collectives = space.collectives().clone();
     let plain = |sum: Sum| sum.into_iter().map(|weighted| weighted.element).collect();
-    Ok(Derived { values: plain(own), elements: plain(elements), rate: plain(rate), text: lines(&q, &g) })
+    Ok(Derived { values: plain(own), elements: plain(elements), rate: plain(rate), text: None })
 }
 
 /// The text of a clock.
@@ -160,7 +189,8 @@ fn rate_of(sums: &mut Calculus<'_>, flow: &DriftFlow, value: Expr) -> Option<Sum
 /// A sum times a function without loops.
 fn times(sums: &mut Calculus<'_>, factor: Expr, mut sum: Sum) -> Sum {
     for Weighted { element, .. } in &mut sum {
-        let value = sums.graph.multiply(factor, element.value);
+        let value = factored(sums.graph, element.value);
+        let value = sums.graph.multiply(factor, value);
         *element = sums.space.element(sums.graph, element.loops.clone(), value);
     }
     sum
@@ -209,4 +239,39 @@ fn root(graph: &mut Graph, x: Expr, exponent: Rational) -> Expr {
         all.push(graph.power(size, power));
     }
     graph.product(&all)
+}
+
+/// A sum with the factors that all of its terms share in front of it.
+fn factored(graph: &mut Graph, sum: Expr) -> Expr {
+    let Node::Sum { terms, constant } = graph.node(sum).clone() else { return sum };
+    let factors = |term: Expr| match graph.node(term) {
+        Node::Product(factors) => factors.to_vec(),
+        _ => vec![(term, Rational::ONE)],
+    };
+    let all: Vec<Vec<(Expr, Rational)>> = terms.iter().map(|&(term, _)| factors(term)).collect();
+    let Some((first, others)) = all.split_first().filter(|_| constant.is_zero() && terms.len() > 1) else {
+        return sum;
+    };
+    let shared: Vec<(Expr, Rational)> =
+        first.iter().copied().filter(|factor| others.iter().all(|other| other.contains(factor))).collect();
+    let size = |value: Rational| if value.is_negative() { value.negate() } else { value };
+    let largest = size(terms[0].1);
+    let is_common = terms.iter().all(|&(_, coefficient)| size(coefficient) == largest);
+    let common = if is_common { terms[0].1 } else { Rational::ONE };
+    let product = |graph: &mut Graph, factors: &[(Expr, Rational)]| {
+        let powers: Vec<Expr> = factors.iter().map(|&(base, exponent)| graph.power(base, exponent)).collect();
+        graph.product(&powers)
+    };
+    let rests = all.iter().zip(terms.iter()).map(|(factors, &(_, coefficient))| {
+        let rest: Vec<(Expr, Rational)> =
+            factors.iter().copied().filter(|factor| !shared.contains(factor)).collect();
+        let rest = product(graph, &rest);
+        let sign = if coefficient == common { Rational::ONE } else { Rational::MINUS_ONE };
+        (rest, if is_common { sign } else { coefficient })
+    });
+    let rests: Vec<(Expr, Rational)> = rests.collect();
+    let rest = graph.linear_combination(&rests);
+    let shared = product(graph, &shared);
+    let whole = graph.multiply(shared, rest);
+    graph.scale(whole, common)
 }

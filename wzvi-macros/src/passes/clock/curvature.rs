@@ -13,12 +13,12 @@
 
 use std::collections::HashMap;
 
+use super::distances::{DistanceVariable, Distances};
 use super::{Derived, lines, powers, root};
 use crate::diagnostics::{Extent, facts as messages};
 use crate::model::{StraightLine, System, Term, Variables as _};
 use crate::passes::unroll::written_out;
-use crate::symbolic::sign::Sign;
-use crate::symbolic::{Expr, Function, Graph, Node, Rational, Symbol, SymbolKind, ZeroTest};
+use crate::symbolic::{Expr, Graph, Node, Rational, Symbol, ZeroTest};
 
 /// The most degrees of freedom. The trace has a term for each pair of them, and the rate has one for each
 /// triple: more take minutes to compile.
@@ -35,10 +35,13 @@ pub(super) fn derive(system: &mut System, term: &Term) -> syn::Result<Derived> {
     let degrees = system.symbols.phase()[0].len();
     let line = if (1..=MOST_DEGREES).contains(&degrees) { written_out(system) } else { None };
     let Some(line) = line else { return Err(messages::curvature_of_many(extent, MOST_DEGREES)) };
-    let taken = names(system);
-    let mut motion = Motion::new(&mut system.graph, &line, &taken);
+    let moving: Vec<Symbol> = line.phase.q.iter().chain(&line.phase.p).copied().collect();
+    let distances = Distances::of(system, &[line.drift], &moving);
+    let graph = &mut system.graph;
+    let energy = distances.within(graph, line.drift);
+    let mut motion = Motion { graph, distances, energy };
     let trace = motion.trace(&line);
-    let zero = motion.written(trace);
+    let zero = motion.distances.written(motion.graph, trace);
     if motion.graph.test_zero(zero) == ZeroTest::Zero {
         return Err(messages::curvature_of_linear(extent));
     }
@@ -56,122 +59,23 @@ pub(super) fn derive(system: &mut System, term: &Term) -> syn::Result<Derived> {
     let q = root(motion.graph, trace, quarter);
     let rate = motion.log_rate(q, &line);
     let mut text = lines(&motion.graph.display(q), &motion.graph.display(rate));
-    for distance in &motion.distances {
-        let name = motion.graph.symbol_name(distance.symbol);
-        text.push_str(&format!("  {name} = {}\n", motion.graph.display(distance.value)));
-    }
-    let [q, rate] = [q, rate].map(|expr| motion.written(expr));
+    text.push_str(&motion.distances.lines(motion.graph));
+    let [q, rate] = [q, rate].map(|expr| motion.distances.written(motion.graph, expr));
     let element = |value: Expr| system.symbols.element_in(&system.graph, Vec::new(), value);
     let (values, rate) = (vec![element(q)], vec![element(rate)]);
     let elements = if system.is_extended() { values.clone() } else { Vec::new() };
     let rate = rate.into_iter().filter(|element| !system.graph.is_zero(element.value)).collect();
-    Ok(Derived { values, elements, rate, text })
-}
-
-/// The names of variables that distances do not take.
-fn names(system: &System) -> Vec<String> {
-    let [q, p] = system.symbols.phase();
-    let symbols = q.into_iter().chain(p).chain(system.parameters.iter().map(|known| known.symbol));
-    symbols.map(|symbol| system.graph.symbol_name(symbol).to_owned()).collect()
-}
-
-/// `r = √s`
-#[derive(Clone, Copy)]
-struct DistanceVariable {
-    symbol: Symbol,
-    /// `s`
-    square: Expr,
-    /// `√s`
-    value: Expr,
-    /// `s`, or `√s` as `hypot`: `r` to a power.
-    written: (Expr, Rational),
-}
-
-/// An expression with powers of other bases: `base^e` becomes `to^(share e)`.
-fn with_bases(graph: &mut Graph, root: Expr, bases: &HashMap<Expr, (Expr, Rational)>) -> Expr {
-    let mut parts = graph.reachable(&[root]);
-    parts.sort_unstable();
-    let mut images: HashMap<Expr, Expr> = HashMap::new();
-    for part in parts {
-        let of = |images: &HashMap<Expr, Expr>, expr| images.get(&expr).copied().unwrap_or(expr);
-        let image = match graph.node(part).clone() {
-            Node::Product(factors) => {
-                let powers = factors.iter().map(|&(base, exponent)| {
-                    let replaced =
-                        bases.get(&base).and_then(|&(to, share)| Some((to, share.multiply(exponent)?)));
-                    replaced.unwrap_or((of(&images, base), exponent))
-                });
-                let powers: Vec<(Expr, Rational)> = powers.collect();
-                let powers: Vec<Expr> = powers.into_iter().map(|(base, e)| graph.power(base, e)).collect();
-                graph.product(&powers)
-            }
-            node => graph.rebuild(&node, &|operand| of(&images, operand)),
-        };
-        let replaced = bases.get(&part).map(|&(to, share)| graph.power(to, share));
-        images.insert(part, replaced.unwrap_or(image));
-    }
-    images.get(&root).copied().unwrap_or(root)
+    Ok(Derived { values, elements, rate, text: Some(text) })
 }
 
 /// The drift in distances.
 struct Motion<'g> {
     graph: &'g mut Graph,
-    distances: Vec<DistanceVariable>,
+    distances: Distances,
     energy: Expr,
 }
 
-impl<'g> Motion<'g> {
-    fn new(graph: &'g mut Graph, line: &StraightLine, names: &[String]) -> Self {
-        let moving: Vec<Symbol> = line.phase.q.iter().chain(&line.phase.p).copied().collect();
-        let parts = graph.reachable(&[line.drift]);
-        let mut bases: Vec<Expr> = Vec::new();
-        for &part in &parts {
-            match graph.node(part) {
-                Node::Apply(Function::Hypot, _) => bases.push(part),
-                Node::Product(factors) => bases.extend(factors.iter().filter_map(|&(base, exponent)| {
-                    let is_distance = exponent.is_negative() || !exponent.is_integer();
-                    let is_sum = matches!(graph.node(base), Node::Sum { .. });
-                    (is_distance && is_sum && graph.sign(base) >= Sign::Nonnegative).then_some(base)
-                })),
-                _ => {}
-            }
-        }
-        bases.sort_by(|a, b| graph.order(*a, *b));
-        bases.dedup();
-        bases.retain(|&base| graph.depends_on(base, &moving));
-        let letter = ["r", "ϱ"].into_iter().find(|letter| !names.iter().any(|name| name.starts_with(letter)));
-        let letter = letter.unwrap_or("dist");
-        let single = bases.len() == 1;
-        let mut images = HashMap::new();
-        let mut distances = Vec::new();
-        for (number, base) in bases.into_iter().enumerate() {
-            let name = if single { letter.to_owned() } else { format!("{letter}{}", number + 1) };
-            let symbol = graph.new_positive_symbol(SymbolKind::Auxiliary, name);
-            let r = graph.symbol(symbol);
-            let two = Rational::integer(2);
-            let (square, value, share) = match graph.node(base).clone() {
-                Node::Apply(Function::Hypot, arguments) => {
-                    let squares: Vec<Expr> = arguments.iter().map(|&x| graph.power(x, two)).collect();
-                    (graph.sum(&squares), base, Rational::ONE)
-                }
-                _ => (base, graph.power(base, Rational::HALF), Rational::HALF),
-            };
-            images.insert(base, (r, if share.is_one() { share } else { two }));
-            distances.push(DistanceVariable { symbol, square, value, written: (base, share) });
-        }
-        let energy = with_bases(graph, line.drift, &images);
-        Self { graph, distances, energy }
-    }
-
-    /// An expression with distances written out.
-    fn written(&mut self, expr: Expr) -> Expr {
-        let mut bases = HashMap::new();
-        for DistanceVariable { symbol, written, .. } in self.distances.clone() {
-            bases.insert(self.graph.symbol(symbol), written);
-        }
-        with_bases(self.graph, expr, &bases)
-    }
-
+impl Motion<'_> {
     /// `∂r/∂x`
     fn slope_of_distance(&mut self, distance: DistanceVariable, x: Symbol) -> Expr {
         let slope = self.graph.derivative(distance.square, x);
@@ -183,7 +87,7 @@ impl<'g> Motion<'g> {
     /// `∂f/∂x` with that of the distances.
     fn slope(&mut self, of: Expr, x: Symbol) -> Expr {
         let mut terms = vec![self.graph.derivative(of, x)];
-        for distance in self.distances.clone() {
+        for distance in self.distances.all.clone() {
             let by_distance = self.graph.derivative(of, distance.symbol);
             let inner = self.slope_of_distance(distance, x);
             terms.push(self.graph.multiply(by_distance, inner));
@@ -244,7 +148,7 @@ impl<'g> Motion<'g> {
 
     /// The trace for a potential of one distance with one mass, if the drift is such.
     fn radial_trace(&mut self, line: &StraightLine, masses: &[Vec<Expr>]) -> Option<Expr> {
-        let &[distance] = self.distances.as_slice() else { return None };
+        let &[distance] = self.distances.all.as_slice() else { return None };
         let q = &line.phase.q;
         for (i, &x) in q.iter().enumerate() {
             let slope = self.graph.derivative(self.energy, x);
@@ -341,7 +245,7 @@ impl<'g> Motion<'g> {
         }
         velocities.insert(phase.t, self.graph.integer(1));
         let of_state = velocities.clone();
-        for distance in self.distances.clone() {
+        for distance in self.distances.all.clone() {
             let rate = self.graph.rate(distance.square, &of_state);
             let half = halved(self.graph, rate);
             let r = self.graph.symbol(distance.symbol);
@@ -381,7 +285,7 @@ impl Motion<'_> {
         let mut entries: Vec<(usize, usize, Expr)> = Vec::new();
         for (i, row) in second.iter().enumerate() {
             for (j, &entry) in row.iter().enumerate().skip(i) {
-                let entry = self.written(entry);
+                let entry = self.distances.written(self.graph, entry);
                 if !self.graph.is_zero(entry) {
                     entries.push((i, j, entry));
                 }

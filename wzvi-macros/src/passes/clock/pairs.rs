@@ -12,7 +12,7 @@
 
 use std::collections::HashMap;
 
-use super::{Derived, of_value, root, total};
+use super::{Derived, factored, of_value, root, total};
 use crate::diagnostics::facts as messages;
 use crate::discretise::{Calculus, Increments, Kinetic, Space, Sum, Weighted, unweighted};
 use crate::model::{Element, Half, Index, Local, Slot, System, Term};
@@ -233,34 +233,6 @@ impl Bond {
         }
         found
     }
-}
-
-/// A sum with the factors that all of its terms share in front of it.
-fn factored(graph: &mut Graph, sum: Expr) -> Expr {
-    let Node::Sum { terms, constant } = graph.node(sum).clone() else { return sum };
-    let factors = |graph: &Graph, term: Expr| match graph.node(term) {
-        Node::Product(factors) => factors.to_vec(),
-        _ => vec![(term, Rational::ONE)],
-    };
-    let all: Vec<Vec<(Expr, Rational)>> = terms.iter().map(|&(term, _)| factors(graph, term)).collect();
-    let Some((first, others)) = all.split_first().filter(|_| constant.is_zero() && terms.len() > 1) else {
-        return sum;
-    };
-    let shared: Vec<(Expr, Rational)> =
-        first.iter().copied().filter(|factor| others.iter().all(|other| other.contains(factor))).collect();
-    let product = |graph: &mut Graph, factors: &[(Expr, Rational)]| {
-        let powers: Vec<Expr> = factors.iter().map(|&(base, exponent)| graph.power(base, exponent)).collect();
-        graph.product(&powers)
-    };
-    let rests = all.iter().zip(terms.iter()).map(|(factors, &(_, coefficient))| {
-        let rest: Vec<(Expr, Rational)> =
-            factors.iter().copied().filter(|factor| !shared.contains(factor)).collect();
-        (product(graph, &rest), coefficient)
-    });
-    let rests: Vec<(Expr, Rational)> = rests.collect();
-    let rest = graph.linear_combination(&rests);
-    let shared = product(graph, &shared);
-    graph.multiply(shared, rest)
 }
 
 /// Whether two sums have the same terms in the same loops.

@@ -184,6 +184,18 @@ fn text_is_in_distances() {
     }
 }
 
+/// One distance, although the loops of `Q` and of `G` have variables of their own.
+#[test]
+fn text_of_pairs_is_in_distances() {
+    let drift = BODIES.replace("[[f64; 2]; 3]", "&[[f64; 2]]").replace("(0..3)", "(0..q.len())");
+    let attribute = format!("{drift}, clock = pairs, embedding = Verlet");
+    let text = derived(&attribute, Some(Form::Loops)).unwrap().clock.unwrap().text;
+    let sum = "[√5 |g| |mass[i]| |mass[j]| (1/mass[i] + 1/mass[j])/r³]";
+    assert!(text.starts_with("Clock\n  Q = 1/√S1\n"), "{text}");
+    assert!(text.contains(&format!("  S1 = Σ_(i=0..n - 1) Σ_(j=0..i - 1) {sum}\n")), "{text}");
+    assert!(text.ends_with("  r = √((q[i][0] - q[j][0])² + (q[i][1] - q[j][1])²)\n"), "{text}");
+}
+
 /// Differences of the energy and of `ln Q` know nothing of the compiler's derivatives.
 #[test]
 fn rates_are_those_along_the_flow() {
