@@ -357,6 +357,7 @@ mod documents {
         Readme: "README.md",
         Benchmarks: "docs/guide/benchmarks.md",
         Choosing: "docs/guide/choosing.md",
+        Clock: "docs/guide/clock.md",
         Constraints: "docs/guide/constraints.md",
         Contributors: "docs/guide/contributors.md",
         Cookbook: "docs/guide/cookbook.md",

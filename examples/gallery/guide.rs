@@ -16,7 +16,8 @@ use wzvi::system::{Scratch, StepField};
 
 use crate::Drawn;
 use crate::systems::{
-    AngleRing, Chain, Driven, Kepler, Kubo, Oscillator, Pendulum, Rotor, Simpson, SpinRing, Top, WarmWells,
+    AngleRing, Chain, Driven, Encounter, Kepler, Kubo, Oscillator, Pendulum, Rotor, Simpson, SpinRing, Top,
+    WarmWells,
 };
 
 pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
@@ -39,6 +40,7 @@ pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
         ("drift", drift()?),
         ("spins", spins()?),
         ("top", top()?),
+        ("burrau", burrau()?),
     ])
 }
 
@@ -404,6 +406,22 @@ fn top() -> Drawn {
         figure = figure.line(name, colour, path.iter().map(|state| (state.q[2], state.q[5])));
     }
     Ok(figure)
+}
+
+/// Burrau's problem: the steps follow the distance of the closest pair.
+fn burrau() -> Drawn {
+    let system = Encounter { m: [3.0, 4.0, 5.0] };
+    let start = State::new([1.0, 3.0, -2.0, -1.0, 1.0, -1.0], [0.0; 6]);
+    let path = system.simulate::<Clocked<Gauss<8>>>(Eps(0.2)).start(start).until(63.0).run()?;
+    let nearest = |q: &SVector<f64, 6>| {
+        let distance = |i: usize, j: usize| (q[2 * i] - q[2 * j]).hypot(q[2 * i + 1] - q[2 * j + 1]);
+        distance(0, 1).min(distance(1, 2)).min(distance(2, 0))
+    };
+    let title = "Burrau's three bodies, Clocked<Gauss<8>>, Eps(0.2)";
+    Ok(Figure::panel(title, "time t", "step h, distance of the closest pair")
+        .log_y()
+        .line("distance", Colour::GREY, path.iter().map(|state| (state.t, nearest(&state.q))))
+        .line("step", Colour::BLUE, path.intervals().iter().map(|step| (step.t, step.h))))
 }
 
 /// A ring of spins in two kinds of canonical variables.

@@ -160,3 +160,19 @@ pub(crate) struct AngleRing;
 pub(crate) struct Top {
     pub(crate) d: [f64; 3],
 }
+
+/// Three bodies in the plane, with the clock of their pairs.
+#[hamiltonian(
+    drift = |q: [[f64; 2]; 3], p: [[f64; 2]; 3]| {
+        let kinetic = |i: usize| 0.5 * (p[i][0].powi(2) + p[i][1].powi(2)) / m[i];
+        let pair = |i: usize, j: usize| {
+            -m[i] * m[j] / ((q[i][0] - q[j][0]).powi(2) + (q[i][1] - q[j][1]).powi(2)).sqrt()
+        };
+        kinetic(0) + kinetic(1) + kinetic(2) + pair(0, 1) + pair(1, 2) + pair(2, 0)
+    },
+    clock = pairs,
+    embedding = Clocked<Gauss<8>>,
+)]
+pub(crate) struct Encounter {
+    pub(crate) m: [f64; 3],
+}
