@@ -126,6 +126,8 @@ struct Orbit<S> {
     h: S,
     /// `r_0`
     r0: S,
+    /// `1/r_0`
+    inverse_r0: S,
     /// `η`
     eta: S,
     /// `μ`
@@ -170,14 +172,16 @@ impl<S: Scalar> Orbit<S> {
             }
         }
         let (r0, mu, v_squared) = (qq.sqrt(), w * k, w * w * pp);
+        let inverse_r0 = r0.recip();
         Self {
             inverse_mass: w,
             strength: k,
             h,
             r0,
+            inverse_r0,
             eta: w * qp,
             mu,
-            beta: mu / r0 * 2.0 - v_squared,
+            beta: mu * inverse_r0 * 2.0 - v_squared,
             most_spin: qq * v_squared,
             spin: w * w * crossed,
         }
@@ -186,13 +190,71 @@ impl<S: Scalar> Orbit<S> {
     /// `None` where the body meets the centre, or does so to rounding.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn passage(&self) -> Option<Passage<S>> {
-        let Self { inverse_mass, strength, h, r0, eta, mu, beta, .. } = *self;
         let zero = S::from_f64(0.0);
-        if strength.vanishes().all() {
-            let q_by_p = inverse_mass * h;
+        if self.strength.vanishes().all() {
+            let q_by_p = self.inverse_mass * self.h;
             return Some(Passage { q_by_q: zero, q_by_p, p_by_q: zero, p_by_p: zero, s: zero });
         }
-        // Lane by lane, the solution without derivatives.
+        if const { S::DERIVATIVES > 0 } {
+            return Some(self.end(&self.solve_by_lane()?));
+        }
+        let (is_short, mut solution) = self.short();
+        if !is_short.all() {
+            let mut any = self.solve_by_lane()?;
+            for (short, any) in solution.numbers().into_iter().zip(any.numbers()) {
+                *short = S::select(is_short, *short, *any);
+            }
+        }
+        Some(self.end(&solution))
+    }
+
+    /// The increments by the functions at the end.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn end(&self, &Solution { s, g1, g2 }: &Solution<S>) -> Passage<S> {
+        let &Self { inverse_mass, strength, r0, inverse_r0, eta, mu, beta, .. } = self;
+        let inverse_r = (r0 + eta * g1 + (mu - beta * r0) * g2).recip();
+        Passage {
+            q_by_q: -(mu * inverse_r0 * g2),
+            q_by_p: (r0 * g1 + eta * g2) * inverse_mass,
+            p_by_q: -(strength * inverse_r0 * inverse_r * g1),
+            p_by_p: -(mu * inverse_r * g2),
+            s,
+        }
+    }
+
+    /// The solution of a short step, and the lanes where it is one to rounding: from the series for `s`, by one
+    /// step of Halley's method.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn short(&self) -> (S::Mask, Solution<S>) {
+        let &Self { h, r0, inverse_r0, eta, mu, beta, most_spin, spin, .. } = self;
+        let zeta = mu - beta * r0;
+        // h = r_0 s (1 + a s/s_1 + b (s/s_1)² + ...)
+        let s1 = h * inverse_r0;
+        let (a, b) = (eta * s1 * inverse_r0 * 0.5, zeta * s1 * s1 * inverse_r0 * (1.0 / 6.0));
+        let s = s1 * (a * (a * 2.0 + b * 5.0) - a - b + 1.0);
+        let (is_near, [g0, g1, g2, g3]) = stumpff_near(beta, s);
+        let left = r0 * s + eta * g2 + zeta * g3 - h;
+        let (r, slope) = (r0 + eta * g1 + zeta * g2, eta * g0 + zeta * g1);
+        let d = -(left * r) / (r * r - left * slope * 0.5);
+        // The relative change of `r` and of the functions: of its square remains nothing, of its third power in `s` neither.
+        let change = (d * slope).abs() + d * d * ((mu - beta * r).abs() + beta.abs() * r);
+        let is_solved = change.less_equal(r * 1e-7);
+        let is_radial = spin.less_equal(most_spin * (RADIAL * RADIAL));
+        let (bent, half) = (beta * g1, d * 0.5);
+        let third = d * (1.0 / 3.0);
+        let solution = Solution {
+            s: s + d,
+            g1: g1 + d * (g0 - half * (bent + third * beta * g0)),
+            g2: g2 + d * (g1 + half * (g0 - third * bent)),
+        };
+        (is_near & is_solved & !is_radial, solution)
+    }
+
+    /// The solution of any step, which is found lane by lane, with the derivatives of its numbers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn solve_by_lane(&self) -> Option<Solution<S>> {
+        let &Self { h, mu, beta, .. } = self;
+        let zero = S::from_f64(0.0);
         let (mut s, mut periods) = (zero, zero);
         for lane in 0..S::LANES {
             let solution = self.lane(lane).solve()?;
@@ -200,64 +262,61 @@ impl<S: Scalar> Orbit<S> {
             s = S::select(is_here, S::from_f64(solution.s), s);
             periods = S::select(is_here, S::from_f64(solution.periods), periods);
         }
-        let mut rest = h;
-        let mut revolved = zero;
+        let (mut rest, mut revolved) = (h, zero);
         if !periods.vanishes().all() {
             // Lanes without periods may have no root.
             let square = S::select(periods.vanishes(), S::from_f64(1.0), beta);
             revolved = periods * std::f64::consts::TAU / square.sqrt();
             rest = h - revolved * mu / square;
         }
-        let mut newton = self.newton(s, rest);
+        let mut solution = self.newton(s, rest);
         // One step finds first derivatives, another one their derivatives.
         if const { <S::Value as Scalar>::DERIVATIVES > 0 } {
-            s = s + newton.correction;
-            newton = self.newton(s, rest);
+            solution = self.newton(solution.s, rest);
         }
-        let NewtonStep { correction, g1, g2 } = newton;
-        let zeta = mu - beta * r0;
-        let r = r0 + eta * g1 + zeta * g2;
-        let (by_r0, by_r) = (mu / r0, mu / r);
-        Some(Passage {
-            q_by_q: -(by_r0 * g2),
-            q_by_p: (r0 * g1 + eta * g2) * inverse_mass,
-            p_by_q: -(strength / r * (g1 / r0)),
-            p_by_p: -(by_r * g2),
-            s: s + correction + revolved,
-        })
+        solution.s = solution.s + revolved;
+        Some(solution)
     }
 
-    /// A step of Newton's method for Kepler's equation with the time `h`, and the functions at its end: to
-    /// first order in the correction, which is rounding, or infinitesimal.
+    /// A step of Newton's method for Kepler's equation with the time `h`, to first order in the correction,
+    /// which is rounding, or infinitesimal.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn newton(&self, s: S, h: S) -> NewtonStep<S> {
+    fn newton(&self, s: S, h: S) -> Solution<S> {
         let &Self { r0, eta, mu, beta, .. } = self;
         let zeta = mu - beta * r0;
         let [g0, g1, g2, g3] = stumpff(beta, s);
         let left = r0 * s + eta * g2 + zeta * g3 - h;
         let correction = -left / (r0 + eta * g1 + zeta * g2);
-        NewtonStep { correction, g1: g1 + g0 * correction, g2: g2 + g1 * correction }
+        Solution { s: s + correction, g1: g1 + g0 * correction, g2: g2 + g1 * correction }
     }
 
     /// The numbers of a lane.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(&self, lane: usize) -> Orbit<f64> {
-        let Self { inverse_mass, strength, h, r0, eta, mu, beta, most_spin, spin } = self;
-        let [inverse_mass, strength, h, r0, eta, mu, beta, most_spin, spin] =
-            [inverse_mass, strength, h, r0, eta, mu, beta, most_spin, spin].map(|number| number.lane(lane));
-        Orbit { inverse_mass, strength, h, r0, eta, mu, beta, most_spin, spin }
+        let Self { inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, most_spin, spin } = self;
+        let [inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, most_spin, spin] =
+            [inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, most_spin, spin]
+                .map(|number| number.lane(lane));
+        Orbit { inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, most_spin, spin }
     }
 }
 
-/// The correction of the universal variable, and `G_1`, `G_2` with it.
+/// A solution of Kepler's equation, with `G_1` and `G_2`.
 #[derive(Clone, Copy, Debug)]
-struct NewtonStep<S> {
-    correction: S,
+struct Solution<S> {
+    s: S,
     g1: S,
     g2: S,
 }
 
-/// The solution of Kepler's equation.
+impl<S> Solution<S> {
+    fn numbers(&mut self) -> [&mut S; 3] {
+        let Self { s, g1, g2 } = self;
+        [s, g1, g2]
+    }
+}
+
+/// The universal variable at the end of a step.
 #[derive(Clone, Copy, Debug)]
 struct Anomaly {
     /// The universal variable without whole periods.
@@ -277,8 +336,8 @@ const LESS: f64 = DEGREE - 1.0;
 const RADIAL: f64 = 4.0 * f64::EPSILON;
 
 impl Orbit<f64> {
-    /// `None` where the body meets the centre.
-    #[cfg_attr(not(debug_assertions), inline(always))]
+    /// `None` where the body meets the centre. Compiled once, for all lanes and systems.
+    #[inline(never)]
     fn solve(&self) -> Option<Anomaly> {
         let &Self { h, r0, eta, mu, beta, .. } = self;
         if r0 == 0.0 {
@@ -412,18 +471,29 @@ impl KeplerEquation {
 /// `G_n = s^n c_n(β s²)` for n = 0 to 3.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn stumpff<S: Scalar>(beta: S, s: S) -> [S; 4] {
+    let (is_near, mut g) = stumpff_near(beta, s);
+    if !is_near.all() {
+        stumpff_far(beta, s, !is_near, &mut g);
+    }
+    g
+}
+
+/// The functions by their series, and the lanes where it is short enough.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn stumpff_near<S: Scalar>(beta: S, s: S) -> (S::Mask, [S; 4]) {
     let square = s * s;
     let x = beta * square;
-    let is_near = x.abs().less_equal(S::from_f64(1.0));
     let (g2, g3) = (square * series(x, &C2), square * s * series(x, &C3));
-    let mut g = [-(beta * g2) + 1.0, s - beta * g3, g2, g3];
-    if is_near.all() {
-        return g;
-    }
-    let zero = S::from_f64(0.0);
+    (x.abs().less_equal(S::from_f64(1.0)), [-(beta * g2) + 1.0, s - beta * g3, g2, g3])
+}
+
+/// The functions of the lanes in `is_far`, where the series would be long.
+#[inline(never)]
+fn stumpff_far<S: Scalar>(beta: S, s: S, is_far: S::Mask, g: &mut [S; 4]) {
+    let (zero, x) = (S::from_f64(0.0), beta * s * s);
     for is_ellipse in [true, false] {
         let is_of_kind = if is_ellipse { zero.less(x) } else { x.less(zero) };
-        let is_here = is_of_kind & !is_near;
+        let is_here = is_of_kind & is_far;
         if !is_here.any() {
             continue;
         }
@@ -439,7 +509,6 @@ fn stumpff<S: Scalar>(beta: S, s: S) -> [S; 4] {
             *known = S::select(is_here, far, *known);
         }
     }
-    g
 }
 
 /// `c_n(x)` for `|x| <= 1` from its coefficients.
