@@ -134,10 +134,10 @@ struct Orbit<S> {
     mu: S,
     /// `β`
     beta: S,
-    /// `r_0² v_0²`
-    most_spin: S,
-    /// The square of the angular momentum for each mass, `|q_0 × v_0|²`.
+    /// The sum of the sizes of the components of the angular momentum `q_0 × p_0`.
     spin: S,
+    /// `r_0` times the sum of the sizes of the momenta, which bounds it within a factor.
+    most_spin: S,
 }
 
 /// The linear map from the state at the start to the increments, and the universal variable.
@@ -163,12 +163,12 @@ impl<S: Scalar> Orbit<S> {
     {
         let zero = S::from_f64(0.0);
         let (w, k) = (S::constant(inverse_mass), S::constant(strength));
-        let (mut qq, mut qp, mut pp, mut crossed) = (zero, zero, zero, zero);
+        let (mut qq, mut qp, mut pp, mut spin, mut speed) = (zero, zero, zero, zero, zero);
         for (i, (&x, &p_x)) in q.iter().zip(p).enumerate() {
             (qq, qp, pp) = (qq + x * x, qp + x * p_x, pp + p_x * p_x);
+            speed = speed + p_x.abs();
             for (&y, &p_y) in q.iter().zip(p).take(i) {
-                let component = x * p_y - y * p_x;
-                crossed = crossed + component * component;
+                spin = spin + (x * p_y - y * p_x).abs();
             }
         }
         let (r0, mu, v_squared) = (qq.sqrt(), w * k, w * w * pp);
@@ -182,8 +182,8 @@ impl<S: Scalar> Orbit<S> {
             eta: w * qp,
             mu,
             beta: mu * inverse_r0 * 2.0 - v_squared,
-            most_spin: qq * v_squared,
-            spin: w * w * crossed,
+            spin,
+            most_spin: r0 * speed,
         }
     }
 
@@ -226,7 +226,7 @@ impl<S: Scalar> Orbit<S> {
     /// step of Halley's method.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn short(&self) -> (S::Mask, Solution<S>) {
-        let &Self { h, r0, inverse_r0, eta, mu, beta, most_spin, spin, .. } = self;
+        let &Self { h, r0, inverse_r0, eta, mu, beta, spin, most_spin, .. } = self;
         let zeta = mu - beta * r0;
         // h = r_0 s (1 + a s/s_1 + b (s/s_1)² + ...)
         let s1 = h * inverse_r0;
@@ -239,7 +239,7 @@ impl<S: Scalar> Orbit<S> {
         // The relative change of `r` and of the functions: of its square remains nothing, of its third power in `s` neither.
         let change = (d * slope).abs() + d * d * ((mu - beta * r).abs() + beta.abs() * r);
         let is_solved = change.less_equal(r * 1e-7);
-        let is_radial = spin.less_equal(most_spin * (RADIAL * RADIAL));
+        let is_radial = spin.less_equal(most_spin * RADIAL);
         let (bent, half) = (beta * g1, d * 0.5);
         let third = d * (1.0 / 3.0);
         let solution = Solution {
@@ -293,11 +293,11 @@ impl<S: Scalar> Orbit<S> {
     /// The numbers of a lane.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(&self, lane: usize) -> Orbit<f64> {
-        let Self { inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, most_spin, spin } = self;
-        let [inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, most_spin, spin] =
-            [inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, most_spin, spin]
+        let Self { inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, spin, most_spin } = self;
+        let [inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, spin, most_spin] =
+            [inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, spin, most_spin]
                 .map(|number| number.lane(lane));
-        Orbit { inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, most_spin, spin }
+        Orbit { inverse_mass, strength, h, r0, inverse_r0, eta, mu, beta, spin, most_spin }
     }
 }
 
@@ -332,7 +332,7 @@ const MOST: u32 = 200;
 const DEGREE: f64 = 5.0;
 const LESS: f64 = DEGREE - 1.0;
 
-/// Relative to its largest possible value, an angular momentum that is zero to rounding.
+/// An angular momentum that is zero to rounding, relative to a bound of it.
 const RADIAL: f64 = 4.0 * f64::EPSILON;
 
 impl Orbit<f64> {
@@ -353,7 +353,7 @@ impl Orbit<f64> {
         // Backwards is forwards with the velocity turned round.
         let sign = if rest < 0.0 { -1.0 } else { 1.0 };
         let s = sign * KeplerEquation { h: sign * rest, r0, eta: sign * eta, mu, beta, root }.solve();
-        let is_radial = self.spin <= RADIAL * RADIAL * self.most_spin;
+        let is_radial = self.spin <= RADIAL * self.most_spin;
         if is_radial && mu > 0.0 && self.meets_centre(s, periods) {
             return None;
         }
