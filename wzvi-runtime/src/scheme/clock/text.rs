@@ -33,9 +33,8 @@ impl<H: Clock + Discretized<E>, E> ClockedText<H, E> {
 const GAUSS: &str = "
 Steps of constant eps in the time tau of the clock, dt/dtau = Q, of
   K = Q (H0 + p_t),   p_t = -H0 at the start
-by the method of the same name, with q, p, t and p_t at the stages
-  Q_i = q + sum_j a_ij eps K_p(j),   P_i = p - sum_j a_ij eps K_q(j),   t <- t + eps sum_i b_i Q(i)
-that is for H0
+by the stages below with K in place of H0 and eps in place of h, where t and p_t are a coordinate and its momentum
+  (unless the time is read, p_t is constant and t <- t + eps sum_i b_i Q(i))
 
 ";
 
