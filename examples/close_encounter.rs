@@ -97,7 +97,7 @@ where
     Bodies: Discretized<E, Vector = SVector<f64, 6>>,
 {
     let mut seconds = f64::INFINITY;
-    let mut run = || {
+    let mut run = || -> Result<Trajectory<SVector<f64, 6>, E>, wzvi::Error> {
         let begin = Instant::now();
         let path = wzvi::simulate::Simulation::<Bodies, E>::new(&BODIES, eps).start(start()).until(END);
         let path = path.record_every(0).run()?;

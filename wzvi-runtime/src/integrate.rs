@@ -41,9 +41,8 @@ pub trait Integrate: Hamiltonian {
         ModifiedHamiltonian::<Scheme>::new(h).energy(self, state)
     }
 
-    /// One path in steps of size `h` (time units of the Hamiltonian; negative runs backwards), or by a clock in steps of
-    /// [`Eps`].
-    /// [`Simulation::run`] reports invalid settings.
+    /// One path in steps of size `h` (time units of the Hamiltonian; negative runs backwards), or by a clock
+    /// in steps of [`Eps`]. [`Simulation::run`] reports invalid settings.
     fn simulate<Scheme>(&self, h: impl StepSize) -> Simulation<'_, Self, Scheme>
     where
         Self: Discretized<Scheme> + Sized,

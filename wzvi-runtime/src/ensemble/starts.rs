@@ -22,7 +22,7 @@ pub trait Systems {
     const ARE_PAIRED: bool = false;
     /// Whether each path is a run of its own, since events act on it.
     const ARE_RUNS: bool = false;
-    /// The same where each path has a system of its own.
+    /// The kind of these paths where each has a system of its own.
     type Own: Systems;
 }
 

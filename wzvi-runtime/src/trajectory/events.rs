@@ -106,7 +106,7 @@ pub(crate) enum EventPlace<'a, V> {
     Time(f64),
 }
 
-/// What happens to the state.
+/// A change of the state.
 pub(crate) type Action<'a, V> = Arc<dyn Fn(&mut State<V>) -> AfterEvent + Send + Sync + 'a>;
 
 /// A requested event.

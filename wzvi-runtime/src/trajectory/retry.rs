@@ -90,7 +90,7 @@ pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = SumOf<H, E>> {
     pub(crate) stepper: Stepper<'a, H, E, C>,
     /// Increments of a part of a step.
     part: Vec<f64>,
-    /// What happens in steps, where something may.
+    /// The events in steps, and the end of a run by a clock, where there are any.
     pub(crate) following: Option<Box<Following<'a, H, E>>>,
 }
 

@@ -368,7 +368,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         end.map_err(|cause| self.error(state, &[], cause))
     }
 
-    /// What the clock of the scheme says after the last step.
+    /// The reading of the clock after the last step.
     pub(crate) fn reading(&self) -> ClockReading {
         SchemeOf::<H, E>::reading(&self.memory)
     }

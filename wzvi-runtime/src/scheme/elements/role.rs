@@ -20,8 +20,8 @@ pub enum Role {
     Temperature,
     /// A first integral, by its number in the list of the system: a value.
     Integral(usize),
-    /// The clock `Q(q, p, t)` of the system, the wanted step in units of `eps`: a value, and derivatives where
-    /// a scheme extends the phase space by it.
+    /// The clock `Q(q, p, t)` of the system, the wanted step in units of `eps`: a value, and derivatives
+    /// where a scheme extends the phase space by it.
     Clock,
     /// `G = -d ln Q/dt` along the drift with its forces and friction: a value.
     ClockRate,
