@@ -81,6 +81,17 @@ struct Driven {
     sites: usize,
 }
 
+/// A clock of the energy that both Hamiltonians keep.
+#[hamiltonian(
+    drift = |q, p| 0.5 * (q * q + p * p),
+    noise = |q, p| 0.5 * sigma * (q * q + p * p),
+    clock = |q, p| (1.0 + q * q + p * p).sqrt(),
+    embedding = Clocked<Midpoint>,
+)]
+struct Kubo {
+    sigma: f64,
+}
+
 #[test]
 fn clocks_mean_what_is_written() {
     let q = [0.3, -0.2];
@@ -96,6 +107,7 @@ fn clocks_mean_what_is_written() {
     is_near(value(&bodies, Role::Clock, [&places, &[0.0; 6]], 0.0), squares.powf(-0.5));
     // At rest no distance changes.
     assert_eq!(value(&bodies, Role::ClockRate, [&places, &[0.0; 6]], 0.0), 0.0);
+    assert_eq!(value(&Kubo { sigma: 0.3 }, Role::ClockRate, [&[0.3], &[0.1]], 0.0), 0.0);
     let driven = Driven { sigma: 0.1, sites: 2 };
     is_near(value(&driven, Role::Clock, [&q, &[0.1, 0.2]], 0.0), 1.13_f64.powf(-0.5));
     // dq/dt = p: G = q · p/(1 + q · q)

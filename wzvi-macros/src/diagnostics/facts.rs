@@ -109,7 +109,7 @@ messages! {
         your own, `clock = |q, p| ...`";
     curvature_of_linear(found) = "V'' = 0, constant steps are exact: leave the clock out, or write one of your own, `clock = |q, p| ...`";
     /// A clock that is infinite at a point.
-    curvature_vanishes(found, place: &str) = "V'' vanishes where {place} if all parameters are 1, and this clock is infinite there: write \
+    curvature_vanishes(found, place: &str) = "V'' vanishes where {place}, and this clock is infinite there: write \
         `curvature(w0)`, which adds the fourth power of a frequency `w0` of the system, a field or a number";
     pairs_without_masses(found) = "`pairs` needs masses: a kinetic energy that is a sum of squares of the momenta with constant coefficients, as in \
         `p * p / (2.0 * m)`; write `clock = curvature`, or a clock of your own, `clock = |q, p| ...`";

@@ -21,7 +21,7 @@ use crate::passes::unroll::written_out;
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol, ZeroTest};
 
 /// The most degrees of freedom. The trace has a term for each pair of them, and the rate has one for each
-/// triple: more take minutes to compile.
+/// triple. For eight bodies in space an expansion takes 3 s and 6 s more of an optimised build.
 const MOST_DEGREES: usize = 24;
 
 /// The clock with the frequency that is the value of `term`, if it has one.
@@ -303,7 +303,11 @@ impl Motion<'_> {
                     .into_iter()
                     .map(|(i, value)| format!("{} = {value:.3}", self.graph.symbol_name(q[i])))
                     .collect();
-                Err(messages::curvature_vanishes(extent, &at.join(", ")))
+                let is_other = |symbol: Symbol| !q.contains(&symbol);
+                let reads_others =
+                    entries.iter().any(|&(.., entry)| self.graph.symbols_in(entry).into_iter().any(is_other));
+                let others = if reads_others { " if all else is 1" } else { "" };
+                Err(messages::curvature_vanishes(extent, &format!("{}{others}", at.join(", "))))
             }
         }
     }

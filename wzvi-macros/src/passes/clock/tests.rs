@@ -215,7 +215,8 @@ fn rates_are_those_along_the_flow() {
     let softened = KEPLER.replace("1.0 / (x * x", "1.0 / (0.04 + x * x");
     let as_sum = KEPLER.replace("- 1.0 /", "+ 0.1 * (x * x).powi(2) - 1.0 /");
     let coupled = KEPLER.replace("px * px", "px * px + 0.3 * px * py");
-    for drift in [softened, as_sum, coupled] {
+    let timed = as_sum.replace("0.1 *", "(0.1 + t * t) *").replace("py]|", "py], t|");
+    for drift in [softened, as_sum, coupled, timed] {
         checked(&with(&drift, "curvature"), None, &q, &p);
     }
     let of_sites = [

@@ -126,6 +126,29 @@ fn kepler_conserves_the_angular_momentum() {
     assert_eq!(g.evaluate(&[commutator], &value), [witness.value]);
 }
 
+/// `d/dt f(a, b) = ∂f/∂a a' + ∂f/∂b b'`, with velocities that read the variables themselves.
+#[test]
+fn a_rate_is_the_sum_of_slopes_times_velocities() {
+    let mut g = Graph::new();
+    let ([a, b], [x, y]) = symbols(&mut g, ["a", "b"]);
+    let (xx, yy) = (square(&mut g, x), square(&mut g, y));
+    let radius = g.sum(&[xx, yy]);
+    let radius = g.apply(Function::Sqrt, &[radius]);
+    let product = g.multiply(x, y);
+    let wave = g.apply(Function::Sin, &[product]);
+    let value = g.divide(wave, radius);
+    let velocities = [(a, wave), (b, xx)];
+    let rate = g.rate(value, &velocities.into_iter().collect());
+    let terms = velocities.map(|(symbol, velocity)| {
+        let slope = g.derivative(value, symbol);
+        g.multiply(slope, velocity)
+    });
+    let sum = g.sum(&terms);
+    let difference = g.subtract(rate, sum);
+    assert_eq!(g.test_zero(difference), ZeroTest::Zero);
+    assert!(!g.is_zero(rate));
+}
+
 #[test]
 fn addition_theorems_vanish() {
     let mut g = Graph::new();
