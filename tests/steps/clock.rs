@@ -6,7 +6,9 @@ use fixtures::reference::{data, list, number, numbers, text};
 use fixtures::steps::{distance, numbers as components};
 use serde_json::Value;
 use wzvi::prelude::*;
-use wzvi_runtime::scheme::system::{MemoryOf, Scheme as _, SchemeOf};
+use wzvi::scalar::Dual;
+use wzvi_runtime::algebra::state_sum::PlainSum;
+use wzvi_runtime::scheme::system::{MemoryOf, Scheme as _, SchemeOf, StepArguments};
 
 /// With the clock `r`.
 #[hamiltonian(
@@ -305,4 +307,68 @@ fn steps_that_are_too_large_fail() {
     }
     assert!(check::<Extended<Verlet>>(30.0));
     assert!(check::<Composed<Extended<Verlet>, KahanLi8>>(30.0));
+}
+
+/// With a mass and a strength.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| (u * u + v * v) / (2.0 * m) - k / (x * x + y * y).sqrt(),
+    clock = curvature,
+    embedding = [Clocked<Verlet>, Extended<Verlet>, Extended<Gauss<2>>, Logarithmic<3, 2>],
+)]
+struct Attracted {
+    m: f64,
+    k: f64,
+}
+
+/// The derivative of the state after a step by a parameter, and a difference of states.
+fn by_parameter<E>(number: usize) -> [Vec<f64>; 2]
+where
+    Attracted: Discretized<E>,
+{
+    let after = |values: [f64; 2], along: usize| {
+        let system = Attracted { m: values[0], k: values[1] };
+        let lift = |index: usize, value: f64| match index == along {
+            true => Dual::<1>::variable(value, 0),
+            false => Dual::constant(value),
+        };
+        let eps = Dual::constant(0.2);
+        let prepared = SchemeOf::<Attracted, E>::prepare(&system, &lift, eps).unwrap();
+        let (mut q, mut p) = ([0.5, 0.1].map(Dual::constant), [-0.3, 1.6].map(Dual::constant));
+        let at = StepArguments { t: Dual::constant(0.0), h: eps, q: &mut q[..], p: &mut p[..], dw: &[] };
+        let (mut memory, mut carry) = (MemoryOf::<Attracted, E, Dual<1>>::default(), PlainSum);
+        SchemeOf::<Attracted, E>::advance::<_, _, PlainSum, false>(
+            &system,
+            &prepared,
+            at,
+            &mut memory,
+            &mut carry,
+        )
+        .unwrap();
+        [q, p].concat()
+    };
+    let derivative = after([1.3, 0.8], number).iter().map(|x| x.derivative[0]).collect();
+    let end = |change: f64| {
+        let mut values = [1.3, 0.8];
+        values[number] += change;
+        after(values, 2)
+    };
+    let differences = end(1e-5).iter().zip(end(-1e-5)).map(|(a, b)| (a.value - b.value) / 2e-5).collect();
+    [derivative, differences]
+}
+
+/// Parameters change the clock and `p_t`, too. Central differences of 1e-5 are right to some 1e-10.
+#[test]
+fn steps_have_derivatives_by_parameters() {
+    for number in [0, 1] {
+        for [derivative, differences] in [
+            by_parameter::<Clocked<Verlet>>(number),
+            by_parameter::<Extended<Verlet>>(number),
+            by_parameter::<Composed<Extended<Verlet>, Yoshida4>>(number),
+            by_parameter::<Extended<Gauss<2>>>(number),
+            by_parameter::<Logarithmic<3, 2>>(number),
+        ] {
+            assert!(derivative.iter().any(|x| x.abs() > 1e-3), "{derivative:?}");
+            assert!(distance(&derivative, &differences) < 1e-8, "{derivative:?} instead of {differences:?}");
+        }
+    }
 }
