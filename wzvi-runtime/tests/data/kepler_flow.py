@@ -1,11 +1,11 @@
-"""Ends of Kepler's flow to 50 digits, with their conditions: python3 kepler_flow.py > kepler_flow.json (pip install mpmath)"""
+"""Ends of Kepler's flow to 80 digits, with their conditions: python3 kepler_flow.py > kepler_flow.json (pip install mpmath)"""
 
 import json
 import math
 
 from mpmath import cos, cosh, factorial, mp, mpf, nstr, sin, sinh, sqrt
 
-mp.dps = 50
+mp.dps = 80
 
 
 def stumpff(beta, s):
@@ -73,23 +73,34 @@ def placed(x, y):
 
 
 cases = []
+
+
+def add(e, nu, periods):
+    w, k = 0.8, 1.3
+    mu = w * k
+    # Semi-major axis 1; a parabola has the parameter 1.
+    pericentre = 0.5 if e == 1 else abs(1 - e)
+    spin = math.sqrt(mu * pericentre * (1 + e))
+    r = pericentre * (1 + e) / (1 + e * math.cos(nu))
+    q = placed(r * math.cos(nu), r * math.sin(nu))
+    p = [c / w for c in placed(-mu / spin * math.sin(nu), mu / spin * (e + math.cos(nu)))]
+    h = periods * (2 * math.pi / math.sqrt(mu))
+    arguments = [mpf(x) for x in q + p + [w, k, h]]
+    end = flow(arguments[6], arguments[7], arguments[:3], arguments[3:6], arguments[8])
+    case = {"e": e, "periods": abs(periods), "w": w, "k": k, "h": h, "q": q, "p": p}
+    cases.append(case | {"end": [nstr(x, 30) for x in end], "condition": condition(arguments, end)})
+
+
 for e in [0, 0.5, 0.99, 1, 1.5, 3]:
     for place in [0, 1]:
-        w, k = 0.8, 1.3
-        mu = w * k
-        # Semi-major axis 1; a parabola has the parameter 1.
-        pericentre = 0.5 if e == 1 else abs(1 - e)
-        spin = math.sqrt(mu * pericentre * (1 + e))
         nu = [0.0, 1.9 if e < 1 else -1.2][place]
-        r = pericentre * (1 + e) / (1 + e * math.cos(nu))
-        q = placed(r * math.cos(nu), r * math.sin(nu))
-        p = [c / w for c in placed(-mu / spin * math.sin(nu), mu / spin * (e + math.cos(nu)))]
-        period = 2 * math.pi / math.sqrt(mu)
         for periods in [1e-6, 1e-3, 0.05, 0.37, 1.0, 9.3, 1e3]:
             for sign in [1] if periods in (1e-3, 9.3) else [1, -1]:
-                h = sign * periods * period
-                arguments = [mpf(x) for x in q + p + [w, k, h]]
-                end = flow(arguments[6], arguments[7], arguments[:3], arguments[3:6], arguments[8])
-                case = {"e": e, "periods": periods, "w": w, "k": k, "h": h, "q": q, "p": p}
-                cases.append(case | {"end": [nstr(x, 30) for x in end], "condition": condition(arguments, end)})
+                add(e, nu, sign * periods)
+# From far away past the pericentre to far away.
+for e in [1.01, 1.5, 3]:
+    for sign in [1, -1]:
+        for distance, periods in [(1e2, 50.0), (1e4, 4e3)]:
+            nu = math.acos(((e * e - 1) / distance - 1) / e)
+            add(e, -sign * nu, sign * periods)
 print("[\n" + ",\n".join(json.dumps(case) for case in cases) + "\n]")
