@@ -29,7 +29,7 @@ pub(super) enum NotKepler {
 }
 
 /// A variable of an element, and its place in the state.
-type Place<'e> = (Symbol, &'e Index);
+type PlacedVariable<'e> = (Symbol, &'e Index);
 
 /// The number of coordinates of a body, if a part of the drift is a sum of Kepler problems.
 pub(super) fn coordinates_of_body(system: &mut System, part: usize) -> Result<usize, NotKepler> {
@@ -64,7 +64,7 @@ pub(super) fn coordinates_of_body(system: &mut System, part: usize) -> Result<us
     }
     let components = components.ok_or(NotKepler::Other)?;
     for element in elements {
-        let momenta: Vec<Place<'_>> = element.momenta().collect();
+        let momenta: Vec<PlacedVariable<'_>> = element.momenta().collect();
         let has_one_mass = |graph: &mut Graph, body: &Vec<Symbol>| {
             let inverses: Vec<Expr> =
                 body.iter().map(|&momentum| inverse_mass(graph, element, momentum)).collect();
@@ -97,8 +97,8 @@ fn has_mass(graph: &mut Graph, element: &Element, momentum: Symbol) -> bool {
 }
 
 /// The coordinates of an element in groups that second derivatives couple.
-fn coupled<'e>(graph: &mut Graph, element: &'e Element) -> Vec<Vec<Place<'e>>> {
-    let mut groups: Vec<Vec<Place<'e>>> = Vec::new();
+fn coupled<'e>(graph: &mut Graph, element: &'e Element) -> Vec<Vec<PlacedVariable<'e>>> {
+    let mut groups: Vec<Vec<PlacedVariable<'e>>> = Vec::new();
     for place in element.coordinates() {
         let slope = graph.derivative(element.value, place.0);
         let is_coupled = |graph: &mut Graph, other: Symbol| {
@@ -121,7 +121,11 @@ fn coupled<'e>(graph: &mut Graph, element: &'e Element) -> Vec<Vec<Place<'e>>> {
 }
 
 /// Whether the potential of a body is `-k/|q|`.
-fn check_potential(graph: &mut Graph, element: &Element, body: &[Place<'_>]) -> Result<(), NotKepler> {
+fn check_potential(
+    graph: &mut Graph,
+    element: &Element,
+    body: &[PlacedVariable<'_>],
+) -> Result<(), NotKepler> {
     let slopes: Vec<(Symbol, Expr)> =
         body.iter().map(|&(x, _)| (x, graph.derivative(element.value, x))).collect();
     let is_central = slopes.len() > 1
@@ -155,7 +159,7 @@ fn check_potential(graph: &mut Graph, element: &Element, body: &[Place<'_>]) -> 
 }
 
 /// The variables of each body in the order of its components; `None` if a body is not complete.
-fn by_body(places: &[Place<'_>], components: usize) -> Option<Vec<Vec<Symbol>>> {
+fn by_body(places: &[PlacedVariable<'_>], components: usize) -> Option<Vec<Vec<Symbol>>> {
     let length = i128::try_from(components).ok()?;
     let mut bodies: Vec<(Index, Vec<(i128, Symbol)>)> = Vec::new();
     for (symbol, place) in places {

@@ -88,7 +88,7 @@ impl<K: Constant> KeplerFlow<K> {
         for (number, ((body, (q, p)), (dq, dp))) in self.bodies.iter().zip(states).zip(increments).enumerate()
         {
             let orbit = Orbit::new(body, h, q, p);
-            let Some(Passage { q_by_q, q_by_p, p_by_q, p_by_p, .. }) = orbit.passage() else {
+            let Some(OrbitMap { q_by_q, q_by_p, p_by_q, p_by_p, .. }) = orbit.map() else {
                 return Err(StepFailure::Collision { body: number });
             };
             for ((q, p), (dq, dp)) in q.iter().zip(p).zip(dq.iter_mut().zip(dp)) {
@@ -112,7 +112,7 @@ impl KeplerFlow {
                 return h * kinetic;
             }
             let energy = kinetic - body.strength / orbit.r0;
-            orbit.passage().map_or(f64::NAN, |passage| h * energy + 2.0 * body.strength * passage.s)
+            orbit.map().map_or(f64::NAN, |map| h * energy + 2.0 * body.strength * map.s)
         });
         of_bodies.sum()
     }
@@ -144,7 +144,7 @@ struct Orbit<S> {
 
 /// The linear map from the state at the start to the increments, and the universal variable.
 #[derive(Clone, Copy, Debug)]
-struct Passage<S> {
+struct OrbitMap<S> {
     q_by_q: S,
     q_by_p: S,
     p_by_q: S,
@@ -194,11 +194,11 @@ impl<S: Scalar> Orbit<S> {
 
     /// `None` where the body meets the centre, or does so to rounding.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn passage(&self) -> Option<Passage<S>> {
+    fn map(&self) -> Option<OrbitMap<S>> {
         let zero = S::from_f64(0.0);
         if self.strength.vanishes().all() {
             let q_by_p = self.inverse_mass * self.h;
-            return Some(Passage { q_by_q: zero, q_by_p, p_by_q: zero, p_by_p: zero, s: zero });
+            return Some(OrbitMap { q_by_q: zero, q_by_p, p_by_q: zero, p_by_p: zero, s: zero });
         }
         if const { S::DERIVATIVES > 0 } {
             return Some(self.end(&self.solve_by_lane()?));
@@ -215,10 +215,10 @@ impl<S: Scalar> Orbit<S> {
 
     /// The increments by the functions at the end.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn end(&self, &Solution { s, g1, g2, r, g }: &Solution<S>) -> Passage<S> {
+    fn end(&self, &OrbitSolution { s, g1, g2, r, g }: &OrbitSolution<S>) -> OrbitMap<S> {
         let &Self { inverse_mass, strength, inverse_r0, mu, .. } = self;
         let inverse_r = r.recip();
-        Passage {
+        OrbitMap {
             q_by_q: -(mu * inverse_r0 * g2),
             q_by_p: g * inverse_mass,
             p_by_q: -(strength * inverse_r0 * inverse_r * g1),
@@ -227,10 +227,10 @@ impl<S: Scalar> Orbit<S> {
         }
     }
 
-    /// The solution of a short step, and the lanes where it is one to rounding: from the series for `s`, by one
-    /// step of Halley's method.
+    /// The solution of a short step, and the lanes where it is one to rounding: from the series for `s`, by
+    /// one step of Halley's method.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn short(&self) -> (S::Mask, Solution<S>) {
+    fn short(&self) -> (S::Mask, OrbitSolution<S>) {
         let &Self { h, r0, inverse_r0, eta, mu, beta, spin, most_spin, .. } = self;
         let zeta = mu - beta * r0;
         // h = r_0 s (1 + a s/s_1 + b (s/s_1)² + ...)
@@ -241,7 +241,7 @@ impl<S: Scalar> Orbit<S> {
         let left = r0 * s + eta * g2 + zeta * g3 - h;
         let (r, slope) = (r0 + eta * g1 + zeta * g2, eta * g0 + zeta * g1);
         let d = -(left * r) / (r * r - left * slope * 0.5);
-        // The relative change of `r` and of the functions: of its square remains nothing, of its third power in `s` neither.
+        // The relative change of `r` and of the functions: its square is what remains, relative to `d`.
         let change = (d * slope).abs() + d * d * ((mu - beta * r).abs() + beta.abs() * r);
         let is_solved = change.less_equal(r * 1e-7);
         let is_radial = spin.less_equal(most_spin * RADIAL);
@@ -249,13 +249,14 @@ impl<S: Scalar> Orbit<S> {
         let third = d * (1.0 / 3.0);
         let (g1, g2) =
             (g1 + d * (g0 - half * (bent + third * beta * g0)), g2 + d * (g1 + half * (g0 - third * bent)));
-        let solution = Solution { s: s + d, g1, g2, r: r0 + eta * g1 + zeta * g2, g: r0 * g1 + eta * g2 };
+        let solution =
+            OrbitSolution { s: s + d, g1, g2, r: r0 + eta * g1 + zeta * g2, g: r0 * g1 + eta * g2 };
         (is_near & is_solved & !is_radial, solution)
     }
 
     /// The solution of any step, which is found lane by lane, with the derivatives of its numbers.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn solve_by_lane(&self) -> Option<Solution<S>> {
+    fn solve_by_lane(&self) -> Option<OrbitSolution<S>> {
         let &Self { h, mu, beta, .. } = self;
         let zero = S::from_f64(0.0);
         let (mut s, mut periods) = (zero, zero);
@@ -284,7 +285,7 @@ impl<S: Scalar> Orbit<S> {
     /// A step of Newton's method for Kepler's equation with the time `h`, to first order in the correction,
     /// which is rounding, or infinitesimal.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn newton(&self, s: S, h: S) -> Solution<S> {
+    fn newton(&self, s: S, h: S) -> OrbitSolution<S> {
         let &Self { r0, eta, mu, beta, .. } = self;
         let functions = stumpff(beta, s);
         let sums = self.sums(s, &functions);
@@ -293,16 +294,16 @@ impl<S: Scalar> Orbit<S> {
         let d = (h - (r0 * s + sums.of_h)) / r;
         let (g1, g2, g3) = (g1 + g0 * d, g2 + g1 * d, g3 + g2 * d);
         let g = S::select(sums.is_inward, h - mu * g3, r0 * g1 + eta * g2);
-        Solution { s: s + d, g1, g2, r: r + sums.slope * d, g }
+        OrbitSolution { s: s + d, g1, g2, r: r + sums.slope * d, g }
     }
 
     /// The sums of Kepler's equation and of its derivatives.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sums(&self, s: S, &[g0, g1, g2, g3]: &[S; 4]) -> Sums<S> {
+    fn sums(&self, s: S, &[g0, g1, g2, g3]: &[S; 4]) -> KeplerSums<S> {
         let &Self { r0, eta, mu, beta, .. } = self;
         let (zero, zeta) = (S::from_f64(0.0), mu - beta * r0);
         let is_inward = (beta * s * s).less(S::from_f64(-1.0)) & (eta * s).less(zero);
-        let mut sums = Sums {
+        let mut sums = KeplerSums {
             slope: eta * g0 + zeta * g1,
             of_r: eta * g1 + zeta * g2,
             of_h: eta * g2 + zeta * g3,
@@ -322,7 +323,7 @@ impl<S: Scalar> Orbit<S> {
     /// G_1 - G_0/ρ = -e^(-X)/ρ,   G_2 - G_1/ρ = (e^(-X) - 1)/ρ²,   G_3 - G_2/ρ = (1 - X - e^(-X))/ρ³
     /// ```
     #[inline(never)]
-    fn sums_inward(&self, s: S, &[g0, g1, g2]: &[S; 3], sums: &mut Sums<S>) {
+    fn sums_inward(&self, s: S, &[g0, g1, g2]: &[S; 3], sums: &mut KeplerSums<S>) {
         let &Self { r0, eta, mu, beta, spin_squared, .. } = self;
         let (zero, zeta) = (S::from_f64(0.0), mu - beta * r0);
         let square = S::select(sums.is_inward, -beta, S::from_f64(1.0));
@@ -335,7 +336,7 @@ impl<S: Scalar> Orbit<S> {
             growing * g1 + zeta * decay / square,
             growing * g2 - zeta * (rho * s + decay) / (square * rho),
         ];
-        let Sums { slope, of_r, of_h, is_inward } = sums;
+        let KeplerSums { slope, of_r, of_h, is_inward } = sums;
         for (known, inward) in [slope, of_r, of_h].into_iter().zip(inward) {
             *known = S::select(*is_inward, inward, *known);
         }
@@ -355,7 +356,7 @@ impl<S: Scalar> Orbit<S> {
 
 /// A solution of Kepler's equation, with the functions and the distance there.
 #[derive(Clone, Copy, Debug)]
-struct Solution<S> {
+struct OrbitSolution<S> {
     s: S,
     g1: S,
     g2: S,
@@ -364,7 +365,7 @@ struct Solution<S> {
     g: S,
 }
 
-impl<S> Solution<S> {
+impl<S> OrbitSolution<S> {
     fn numbers(&mut self) -> [&mut S; 5] {
         let Self { s, g1, g2, r, g } = self;
         [s, g1, g2, r, g]
@@ -373,7 +374,7 @@ impl<S> Solution<S> {
 
 /// The sums of Kepler's equation, `r_0 s + of_h = h`, and of its derivatives by `s`.
 #[derive(Clone, Copy, Debug)]
-struct Sums<S: Scalar> {
+struct KeplerSums<S: Scalar> {
     /// `dr/ds = η G_0 + ζ G_1`
     slope: S,
     /// `r - r_0 = η G_1 + ζ G_2`
@@ -447,15 +448,15 @@ impl Orbit<f64> {
 }
 
 impl Orbit<f64> {
-    /// The universal variable for a time `h >= 0` of at most half a period, to a part in 10^10 at least: a step
-    /// of Newton's method makes that rounding. `root` is `√|β|`.
+    /// The universal variable for a time `h >= 0` of at most half a period, to a part in 10^10 at least: a
+    /// step of Newton's method makes that rounding. `root` is `√|β|`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn universal_variable(&self, root: f64) -> f64 {
         let &Self { h, r0, mu, beta, .. } = self;
         let mut s = self.guess(root);
         let (mut low, mut high) = (0.0, f64::INFINITY);
         for _ in 0..MOST {
-            let Sums { slope, of_r, of_h, .. } = self.sums(s, &stumpff(beta, s));
+            let KeplerSums { slope, of_r, of_h, .. } = self.sums(s, &stumpff(beta, s));
             let (left, r) = (r0 * s + of_h - h, r0 + of_r);
             let curvature = mu - beta * r;
             let square = LESS * LESS * r * r - DEGREE * LESS * left * slope;
@@ -622,8 +623,9 @@ mod tests {
         list.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// Ellipses, a parabola and hyperbolas over 1e-6 to 1e3 periods, forwards and backwards, from the pericentre and from elsewhere.
-    /// `tests/data/kepler_flow.py` computes the ends to 80 digits, and their conditions `Σ_x |∂end/∂x| |x|` for all numbers `x` of the
+    /// Ellipses, a parabola and hyperbolas over 1e-6 to 1e3 periods, forwards and backwards, from the
+    /// pericentre and from elsewhere, and hyperbolas from far away to far away. `tests/data/kepler_flow.py`
+    /// computes the ends to 80 digits, and their conditions `Σ_x |∂end/∂x| |x|` for all numbers `x` of the
     /// input.
     #[test]
     fn flows_are_those_of_the_reference() {
