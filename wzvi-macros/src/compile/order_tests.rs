@@ -114,18 +114,26 @@ fn of_scheme<'t>(all: &'t BTreeSet<String>, scheme: &str) -> Vec<&'t String> {
     all.iter().filter(|text| marks.iter().any(|mark| dense(text).contains(mark))).collect()
 }
 
-/// A clock changes neither the step of a scheme nor its text.
+/// A clock changes neither the step of a scheme nor its text nor the forms that were chosen.
 #[test]
 fn schemes_are_those_of_the_system_without_clock() {
-    let drift = "drift = |[x, y], [px, py]| 0.5 * (px * px / m + py * py / m) - k / (x * x + y * y).sqrt()";
-    let (item, schemes) = ("struct Kepler { m: f64, k: f64 }", ["Midpoint", "Verlet", "Gauss<2>"]);
-    let plain = implementations(drift, item, &schemes);
-    for clock in
-        ["curvature", "curvature(k)", "|[x, y], [px, _]| (x * x + y * y).powf(0.75) / (k + m * px * px)"]
+    let of_one =
+        "drift = |[x, y], [px, py]| 0.5 * (px * px / m[0] + py * py / m[0]) - k / (x * x + y * y).sqrt()";
+    let of_four = "drift = |q: [[f64; 2]; 4], p: [[f64; 2]; 4]| \
+        (0..4).map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1]) / m[i]).sum::<f64>() \
+        - (0..4).map(|i| (0..i).map(|j| \
+            m[i] * m[j] / (q[i][0] - q[j][0]).hypot(q[i][1] - q[j][1])).sum::<f64>()).sum::<f64>()";
+    let (item, schemes) = ("struct Kepler { m: [f64; 4], k: f64 }", ["Midpoint", "Verlet", "Gauss<2>"]);
+    let function = "|[x, y], [px, _]| (x * x + y * y).powf(0.75) / (k + m[0] * px * px)";
+    for (drift, clocks) in
+        [(of_one, ["curvature", "curvature(k)", function]), (of_four, ["curvature", "curvature(k)", "pairs"])]
     {
-        let clocked = implementations(&format!("{drift}, clock = {clock}"), item, &schemes);
-        for scheme in schemes {
-            assert_eq!(of_scheme(&plain, scheme), of_scheme(&clocked, scheme), "{clock}");
+        let plain = implementations(drift, item, &schemes);
+        for clock in clocks {
+            let clocked = implementations(&format!("{drift}, clock = {clock}"), item, &schemes);
+            for scheme in schemes {
+                assert_eq!(of_scheme(&plain, scheme), of_scheme(&clocked, scheme), "{clock}");
+            }
         }
     }
 }

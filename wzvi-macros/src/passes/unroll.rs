@@ -279,18 +279,37 @@ impl<'a> Unroller<'a> {
 /// The system with a variable for each degree of freedom; `None` if places or bounds are known at run time
 /// only.
 pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
+    let line = placed(system)?;
+    let is_whole = system.form == Form::StraightLines;
+    let mut read: BTreeSet<Symbol> = match is_whole {
+        true => {
+            system.terms().flat_map(|term| &term.values).flat_map(|e| &e.locals).map(|l| l.symbol).collect()
+        }
+        false => BTreeSet::new(),
+    };
+    read.extend(symbols_of(&system.graph, &line));
+    let locals = system.symbols.locals_among(read.into_iter());
+    if !locals.iter().all(is_known) {
+        return None;
+    }
+    let parameters = parameters_with(system, &locals);
+    // Elements in loops have no parameters for entries of lists, which may differ between the lanes of a
+    // sweep.
+    if !is_whole && parameters.len() > system.parameters.len() {
+        return None;
+    }
+    Some(StraightLine { parameters, ..line })
+}
+
+/// The system with a variable for each degree of freedom, and with those of entries of lists beside the
+/// parameters; `None` if places or bounds are known at run time only.
+pub(crate) fn placed(system: &mut System) -> Option<StraightLine> {
     let [q, p] = system.symbols.phase();
     if q.is_empty() {
         return None;
     }
-    let (is_whole, t) = (system.form == Form::StraightLines, system.t);
+    let t = system.t;
     let has_covectors = system.has_forces() || system.friction.is_some();
-    let read: Vec<Symbol> = match is_whole {
-        true => {
-            system.terms().flat_map(|term| &term.values).flat_map(|e| &e.locals).map(|l| l.symbol).collect()
-        }
-        false => Vec::new(),
-    };
     let displacements = match has_covectors {
         true => system.symbols.displacements(&mut system.graph),
         false => Vec::new(),
@@ -316,29 +335,28 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
             }
         }
     }
-    let roots: Vec<Expr> =
-        [drift].into_iter().chain(force).chain(hamiltonians.clone()).chain(forces.clone()).collect();
-    let mut symbols_read: BTreeSet<Symbol> = read.into_iter().collect();
-    symbols_read.extend(graph.reachable(&roots).into_iter().filter_map(|part| graph.as_symbol(part)));
-    let locals = symbols.locals_among(symbols_read.into_iter());
-    let is_known = |local: &Local| match &local.slot {
-        Slot::State(_, index) => index.as_integer().is_some(),
-        slot => !slot.indices().iter().any(|index| index.reads_size() || !index.loops().is_empty()),
-    };
-    if !locals.iter().all(is_known) {
-        return None;
-    }
     let mut components = |work: &Expr| phase.components(graph, *work);
     let force = force.as_ref().map(&mut components);
     let noise_forces = forces.iter().map(components).collect();
-    let parameters = parameters_with(system, &locals);
-    // Elements in loops have no parameters for entries of lists, which may differ between the lanes of a
-    // sweep.
-    if !is_whole && parameters.len() > system.parameters.len() {
-        return None;
+    let (parameters, conformal) = (system.parameters.clone(), system.conformal);
+    let line = StraightLine { phase, parameters, drift, noise: hamiltonians, force, noise_forces, conformal };
+    let locals = system.symbols.locals_among(symbols_of(&system.graph, &line).into_iter());
+    locals.iter().all(is_known).then_some(line)
+}
+
+/// The symbols in the expressions of a system.
+fn symbols_of(graph: &Graph, line: &StraightLine) -> BTreeSet<Symbol> {
+    let forces = line.force.iter().chain(&line.noise_forces).flatten();
+    let roots: Vec<Expr> = [line.drift].iter().chain(&line.noise).chain(forces).copied().collect();
+    graph.reachable(&roots).into_iter().filter_map(|part| graph.as_symbol(part)).collect()
+}
+
+/// Whether a place is known when this compiles.
+fn is_known(local: &Local) -> bool {
+    match &local.slot {
+        Slot::State(_, index) => index.as_integer().is_some(),
+        slot => !slot.indices().iter().any(|index| index.reads_size() || !index.loops().is_empty()),
     }
-    let conformal = system.conformal;
-    Some(StraightLine { phase, parameters, drift, noise: hamiltonians, force, noise_forces, conformal })
 }
 
 /// The parameters of the system, and the entries of lists among `locals`, in order of first use.

@@ -17,7 +17,7 @@ use super::distances::{DistanceVariable, Distances};
 use super::{Derived, lines, powers, root};
 use crate::diagnostics::{Extent, facts as messages};
 use crate::model::{StraightLine, System, Term, Variables as _};
-use crate::passes::unroll::written_out;
+use crate::passes::unroll::placed;
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol, ZeroTest};
 
 /// The most degrees of freedom. The trace has a term for each pair of them, and the rate has one for each
@@ -33,7 +33,7 @@ pub(super) fn derive(system: &mut System, term: &Term) -> syn::Result<Derived> {
         _ => return Err(messages::frequency_in_loops(extent)),
     };
     let degrees = system.symbols.phase()[0].len();
-    let line = if (1..=MOST_DEGREES).contains(&degrees) { written_out(system) } else { None };
+    let line = if (1..=MOST_DEGREES).contains(&degrees) { placed(system) } else { None };
     let Some(line) = line else { return Err(messages::curvature_of_many(extent, MOST_DEGREES)) };
     let moving: Vec<Symbol> = line.phase.q.iter().chain(&line.phase.p).copied().collect();
     let distances = Distances::of(system, &[line.drift], &moving);
