@@ -1,7 +1,7 @@
 //! Distances `r = √s` as variables of their own: sums of squares `s` that an expression divides by, or takes
 //! roots of, and values of `hypot`.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::model::System;
 use crate::symbolic::sign::Sign;
@@ -35,10 +35,16 @@ impl Distances {
         let is_taken =
             |letter: &&str| named.iter().any(|&symbol| graph.symbol_name(symbol).starts_with(letter));
         let letter = ["r", "ϱ"].into_iter().find(|letter| !is_taken(letter)).unwrap_or("distance");
+        let parts = graph.reachable(roots);
+        // A `hypot` inside of another one is a part of its square.
+        let is_hypot = |part: &Expr| matches!(graph.node(*part), Node::Apply(Function::Hypot, _));
+        let others = parts.iter().filter(|part| !is_hypot(part));
+        let read: HashSet<Expr> =
+            others.flat_map(|&part| graph.node(part).operands()).chain(roots.iter().copied()).collect();
         let mut bases: Vec<Expr> = Vec::new();
-        for part in graph.reachable(roots) {
+        for part in parts {
             match graph.node(part) {
-                Node::Apply(Function::Hypot, _) => bases.push(part),
+                Node::Apply(Function::Hypot, _) if read.contains(&part) => bases.push(part),
                 Node::Product(factors) => bases.extend(factors.iter().filter_map(|&(base, exponent)| {
                     let is_distance = exponent.is_negative() || !exponent.is_integer();
                     let is_sum = matches!(graph.node(base), Node::Sum { .. });
@@ -54,12 +60,8 @@ impl Distances {
         let variable = |(place, base): (usize, Expr)| {
             let name = numbered(letter, number, place + 1);
             let symbol = graph.new_positive_symbol(SymbolKind::Auxiliary, name);
-            let (square, share) = match graph.node(base).clone() {
-                Node::Apply(Function::Hypot, arguments) => {
-                    let two = Rational::integer(2);
-                    let squares: Vec<Expr> = arguments.iter().map(|&x| graph.power(x, two)).collect();
-                    (graph.sum(&squares), Rational::ONE)
-                }
+            let (square, share) = match graph.node(base) {
+                Node::Apply(Function::Hypot, _) => (square_of(graph, base), Rational::ONE),
                 _ => (base, Rational::HALF),
             };
             DistanceVariable { symbol, square, written: (base, share) }
@@ -130,6 +132,17 @@ impl Distances {
             text.push_str(&format!("  {} = {}\n", graph.symbol_name(symbol), graph.display(value)));
         }
         text
+    }
+}
+
+/// `x²`, of a `hypot` the sum of the squares of its arguments.
+fn square_of(graph: &mut Graph, x: Expr) -> Expr {
+    match graph.node(x).clone() {
+        Node::Apply(Function::Hypot, arguments) => {
+            let squares: Vec<Expr> = arguments.iter().map(|&argument| square_of(graph, argument)).collect();
+            graph.sum(&squares)
+        }
+        _ => graph.power(x, Rational::integer(2)),
     }
 }
 

@@ -182,6 +182,10 @@ fn text_is_in_distances() {
         assert!(text.starts_with("Clock\n  Q = r^(3/2)/(5^(1/4) √|k|)\n"), "{text}");
         assert!(text.contains("  G = -d ln Q/dt = -3 (x px + y py)/(2 r²)\n"), "{text}");
     }
+    let in_space =
+        "drift = |[x, y, z], [px, py, pz]| 0.5 * (px * px + py * py + pz * pz) - k / x.hypot(y).hypot(z)";
+    let text = text(&format!("{in_space}, clock = curvature, embedding = Verlet"));
+    assert!(text.starts_with("Clock\n  Q = r^(3/2)/(6^(1/4) √|k|)\n"), "{text}");
 }
 
 /// One distance, although the loops of `Q` and of `G` have variables of their own.
