@@ -139,13 +139,16 @@ const _: () = {
                 }
                 Role::Clock => {
                     let abs_k = k.abs();
+                    let sqrt = Scalar::sqrt(5f64);
                     let product = S::of_constant(
                         abs_k.sqrt() * abs_k.recip()
-                            * (m.abs().sqrt() * <f64 as Scalar>::powf(5.0, -0.25)),
+                            * (m.abs().sqrt()
+                                * (Scalar::sqrt(sqrt) * sqrt * 5f64.recip())),
                     );
                     let x = at.q[0];
                     let y = at.q[1];
-                    product * S::powf(x * x + y * y, S::from_f64(0.75))
+                    let sqrt2 = (x * x + y * y).sqrt();
+                    product * (sqrt2 * sqrt2.sqrt())
                 }
                 Role::ClockRate => {
                     let inverse_m = S::of_constant(m.recip());
@@ -255,7 +258,8 @@ const _: () = {
     impl Conservative for Kepler {}
     wzvi::bindings! {
         abs_k at by_p by_q coordinates factor h increments index inverse inverse_m k lift
-        m momenta parameters partials product px py quotient role sum t weight x y
+        m momenta parameters partials product px py quotient role sqrt sqrt2 sum t weight
+        x y
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -13,7 +13,7 @@ use crate::scheme::system::Discretized;
 use crate::statistics::{PathFailure, Seen, Statistics};
 use crate::trajectory::Error;
 use crate::trajectory::recording::RecordedTime;
-use crate::trajectory::steps::{Advance, Passage};
+use crate::trajectory::steps::{Advance, NodeOutcome};
 
 /// Collects the statistics of one group of paths after the other.
 pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
@@ -232,7 +232,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn at_node(&mut self, node: u64) -> Result<Passage, Error> {
+    fn at_node(&mut self, node: u64) -> Result<NodeOutcome, Error> {
         let (paths, observation) = self;
         observation.work(node - observation.seen, node)?;
         observation.seen = node;
@@ -243,6 +243,6 @@ where
         for (lane, inside) in observation.lanes.iter_mut().enumerate() {
             copy_state(&mut inside.before, paths.fine.state_at(lane, node));
         }
-        Ok(Passage::GoesOn)
+        Ok(NodeOutcome::GoesOn)
     }
 }

@@ -28,12 +28,12 @@ pub(crate) trait Advance {
     ///
     /// # Errors
     /// To end the run there, before its end.
-    fn at_node(&mut self, node: u64) -> Result<Passage, Error>;
+    fn at_node(&mut self, node: u64) -> Result<NodeOutcome, Error>;
 }
 
 /// Whether a run goes on from a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Passage {
+pub(crate) enum NodeOutcome {
     GoesOn,
     /// The run is over: at the end that its clock has reached, or at an event.
     Ends,
@@ -55,7 +55,7 @@ pub(crate) fn take_steps<A: Advance>(run: &mut A, steps: Range<u64>) -> Result<(
                 break;
             }
         }
-        if run.at_node(node)? == Passage::Ends {
+        if run.at_node(node)? == NodeOutcome::Ends {
             break;
         }
     }
@@ -148,13 +148,13 @@ mod tests {
             (node / self.stride + 1).saturating_mul(self.stride)
         }
 
-        fn at_node(&mut self, node: u64) -> Result<Passage, Error> {
+        fn at_node(&mut self, node: u64) -> Result<NodeOutcome, Error> {
             assert_eq!(self.steps.last(), Some(&(node - 1)));
             self.nodes.push(node);
             match node {
                 _ if node == self.last => Err(wrong("node")),
-                _ if node == self.over => Ok(Passage::Ends),
-                _ => Ok(Passage::GoesOn),
+                _ if node == self.over => Ok(NodeOutcome::Ends),
+                _ => Ok(NodeOutcome::GoesOn),
             }
         }
     }

@@ -32,6 +32,12 @@ struct Signed {
     op: Op,
 }
 
+/// Four times a number, if that is an integer.
+fn quarters(size: Rational) -> Option<i64> {
+    let is_of_quarters = [1, 2, 4].contains(&size.denominator());
+    if is_of_quarters { size.numerator().checked_mul(4 / size.denominator()) } else { None }
+}
+
 impl<'a> Lowering<'a> {
     /// `definitions` replace symbols; they must not be circular.
     pub(crate) fn new(graph: &'a mut Graph, definitions: HashMap<Symbol, Expr>) -> Self {
@@ -372,20 +378,35 @@ impl<'a> Lowering<'a> {
         Signed { negative, op }
     }
 
-    /// `1 / base^size` through the one reciprocal that all inverse powers of the base share; half-integer
-    /// powers as `(√base / base) · base^-k`, in an order that neither overflows nor underflows before the
-    /// result does.
+    /// `base^(quarters/4)` for one to three quarters, by shared square roots; `None` for other fractions.
+    fn lower_root(&mut self, base: Op, quarters: i64) -> Option<Op> {
+        let root = |program: &mut Program, of: Op| program.push(Operation::Call(Function::Sqrt, vec![of]));
+        let half = root(&mut self.program, base);
+        match quarters {
+            1 => Some(root(&mut self.program, half)),
+            2 => Some(half),
+            3 => {
+                let quarter = root(&mut self.program, half);
+                Some(self.program.push(Operation::Multiply(half, quarter)))
+            }
+            _ => None,
+        }
+    }
+
+    /// `1 / base^size` through the one reciprocal that all inverse powers of the base share; powers of halves
+    /// and quarters as `(root / base) · base^-k`, in an order that neither overflows nor underflows before
+    /// the result does.
     fn lower_inverse_power(&mut self, base: Op, size: Rational) -> Op {
         let inverse = self.program.push(Operation::Reciprocal(base));
         let whole = size.numerator() / size.denominator();
         if size.is_integer() {
             return self.lower_integer_power(inverse, whole);
         }
-        if size.denominator() != 2 || whole > LARGEST_SPELLED_POWER {
+        let quarters = quarters(size).filter(|_| whole <= LARGEST_SPELLED_POWER);
+        let Some(root) = quarters.and_then(|quarters| self.lower_root(base, 4 - quarters % 4)) else {
             let exponent = self.program.constant(-size.to_f64());
             return self.program.push(Operation::Call(Function::Powf, vec![base, exponent]));
-        }
-        let root = self.program.push(Operation::Call(Function::Sqrt, vec![base]));
+        };
         let mut power = self.program.push(Operation::Multiply(root, inverse));
         for _ in 0..whole {
             power = self.program.push(Operation::Multiply(power, inverse));
@@ -393,15 +414,14 @@ impl<'a> Lowering<'a> {
         power
     }
 
-    /// `base^size`, by shared squares and one square root.
+    /// `base^size`, by shared squares and square roots.
     fn lower_power(&mut self, base: Op, size: Rational) -> Op {
         let whole = size.numerator() / size.denominator();
-        let fraction = Rational::new(whole.into(), 1).and_then(|whole| size.add(whole.negate()));
         let integer_part = (whole > 0).then(|| self.lower_integer_power(base, whole));
-        let root = match fraction {
-            Some(fraction) if fraction.is_zero() => None,
-            Some(Rational::HALF) => Some(self.program.push(Operation::Call(Function::Sqrt, vec![base]))),
-            _ => {
+        let root = match quarters(size) {
+            Some(quarters) if quarters % 4 == 0 => None,
+            Some(quarters) => self.lower_root(base, quarters % 4),
+            None => {
                 let exponent = self.program.constant(size.to_f64());
                 return self.program.push(Operation::Call(Function::Powf, vec![base, exponent]));
             }

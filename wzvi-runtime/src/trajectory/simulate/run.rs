@@ -20,7 +20,7 @@ use crate::trajectory::recorded::{ClockInterval, Recorder};
 use crate::trajectory::retry::Subdivision;
 use crate::trajectory::span::NodeGrid;
 use crate::trajectory::step::StepInfo;
-use crate::trajectory::steps::{Advance, Passage, SinglePath, take_steps};
+use crate::trajectory::steps::{Advance, NodeOutcome, SinglePath, take_steps};
 
 impl<H, E, N, O, S> Simulation<'_, H, E, N, O, S>
 where
@@ -345,7 +345,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn at_node(&mut self, node: u64) -> Result<Passage, Error> {
+    fn at_node(&mut self, node: u64) -> Result<NodeOutcome, Error> {
         let (path, nodes) = self;
         if path.stepper.following.is_some() {
             nodes.follow(path, node);
@@ -377,7 +377,7 @@ where
             }
             nodes.due = nodes.next_due();
         }
-        Ok(if path.stepper.is_over() { Passage::Ends } else { Passage::GoesOn })
+        Ok(if path.stepper.is_over() { NodeOutcome::Ends } else { NodeOutcome::GoesOn })
     }
 }
 
