@@ -6,8 +6,9 @@ use fixtures::steps::{
     advance, asymmetry, distance, end, lagrangian_gradient_off, refused, step_apart, way_back,
 };
 use wzvi::error::StepFailure;
+use wzvi::lanes::Lanes;
 use wzvi::prelude::*;
-use wzvi::scalar::Dual;
+use wzvi::scalar::{Dual, Scalar as _};
 
 type Aba = Composed<Verlet, Aba864>;
 
@@ -197,6 +198,26 @@ fn steps_are_symplectic_symmetric_and_variational() {
     assert!(off < 1e-8, "{off:e}");
     let path = system.simulate::<Aba>(0.2).start(state(BODIES[0], BODIES[1])).steps(20).run().unwrap();
     assert!(path.euler_lagrange_residual(&system).unwrap() < 1e-13);
+}
+
+/// Ellipses of short and long periods and a hyperbola beside each other have the bits of each alone.
+#[test]
+fn lanes_are_numbers_alone() {
+    let system = in_loops(0.1);
+    let scales = [1.0, 0.03, 4.0, 0.5];
+    for h in [0.3, -2.0] {
+        let lanes = |list: &[f64]| -> Vec<Lanes<4>> {
+            list.iter().map(|&x| Lanes::new(scales.map(|scale| scale * x))).collect()
+        };
+        let (q, p) = (lanes(BODIES[0]), lanes(BODIES[1]));
+        let together = advance::<Aba, _, _>(&system, [&q, &p], [0.0, h], &[]);
+        for (lane, scale) in scales.into_iter().enumerate() {
+            let alone = BODIES.map(|list| list.iter().map(|x| scale * x).collect::<Vec<f64>>());
+            let alone = advance::<Aba, f64, _>(&system, [&alone[0], &alone[1]], [0.0, h], &[]);
+            let ours: Vec<f64> = together.iter().map(|x| x.lane(lane)).collect();
+            assert_eq!(ours, alone, "lane {lane}, h = {h}");
+        }
+    }
 }
 
 /// Derivatives of any number and of any order, against differences of those of one order less.
