@@ -56,9 +56,9 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = SumOf<H, E>> {
     memory: MemoryOf<H, E, f64>,
     /// The rounding errors of the state, if they are kept.
     carry: C,
-    /// Steps before the clock was last restarted.
+    /// Steps before the count was last restarted.
     before: u64,
-    clock: StepClock,
+    time: StepTime,
     /// `q` and `p` after the last step.
     reached: [H::Vector; 2],
     /// The energy that all steps exchanged.
@@ -97,7 +97,7 @@ impl Exchanged {
 
 /// Time as `t_0 + n h`, restarted whenever the caller's state is at another time.
 #[derive(Clone, Copy, Debug)]
-struct StepClock {
+struct StepTime {
     start: f64,
     ticks: u64,
     now: f64,
@@ -106,7 +106,7 @@ struct StepClock {
 /// More steps than anyone takes.
 const MOST_TICKS: f64 = (1_u64 << 63) as f64;
 
-impl StepClock {
+impl StepTime {
     fn started(at: f64) -> Self {
         Self { start: at, ticks: 0, now: at }
     }
@@ -123,7 +123,7 @@ impl StepClock {
         self.start + ticks.cast_signed() as f64 * h
     }
 
-    /// This clock without the time of the last step, so that the next step checks the state that it gets.
+    /// This count without the time of the last step, so that the next step checks the state that it gets.
     fn unguided(self) -> Self {
         Self { now: f64::NAN, ..self }
     }
@@ -160,7 +160,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             memory,
             carry: Default::default(),
             before: 0,
-            clock: StepClock::started(f64::NAN),
+            time: StepTime::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
             exchanged: Exchanged::of(if H::PROPERTIES.has_temperatures { d } else { 0 }),
             is_unaccounted: false,
@@ -184,8 +184,8 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     pub(crate) fn carrying<C: StateSum<f64>>(self) -> Stepper<'a, H, E, C> {
         Stepper {
             carry: C::default(),
-            clock: StepClock::started(f64::NAN),
-            before: self.before + self.clock.ticks,
+            time: StepTime::started(f64::NAN),
+            before: self.before + self.time.ticks,
             system: self.system,
             h: self.h,
             prepared: self.prepared,
@@ -266,7 +266,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
 
     /// Number of successful steps so far.
     pub fn steps(&self) -> u64 {
-        self.before + self.clock.ticks
+        self.before + self.time.ticks
     }
 
     /// The [work](crate::trajectory::recorded::Trajectory::work) and the
@@ -307,18 +307,18 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         if Self::MAY_EXCHANGE {
             self.begin(state);
         }
-        if state.t != self.clock.now || self.jumped(state) {
+        if state.t != self.time.now || self.jumped(state) {
             return self.step_anew(state, dw);
         }
         let at = StepArguments { t: state.t, h: self.h, q: &mut state.q, p: &mut state.p, dw };
         let Self { system, prepared, memory, carry, .. } = self;
         match SchemeOf::<H, E>::advance::<f64, f64, C, false>(system, prepared, at, memory, carry) {
             Ok(effort) => {
-                self.arrive(state, self.after(self.clock), dw);
+                self.arrive(state, self.after(self.time), dw);
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
             }
             Err(cause) if !Self::IS_ITERATED => Err(self.error(state, dw, cause)),
-            Err(cause) => self.step_rarely(state, dw, self.clock, RareCause::Failed(cause)),
+            Err(cause) => self.step_rarely(state, dw, self.time, RareCause::Failed(cause)),
         }
     }
 
@@ -340,13 +340,13 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
     /// themselves.
     const IS_ITERATED: bool = matches!(H::PLAN.solver, Solver::Newton) && !H::PROPERTIES.is_clocked;
 
-    /// A clock after the step that was just taken.
+    /// The time after the step that was just taken.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn after(&self, clock: StepClock) -> StepClock {
+    fn after(&self, time: StepTime) -> StepTime {
         if H::PROPERTIES.is_clocked {
-            StepClock { ticks: clock.ticks + 1, now: SchemeOf::<H, E>::reading(&self.memory).t, ..clock }
+            StepTime { ticks: time.ticks + 1, now: SchemeOf::<H, E>::reading(&self.memory).t, ..time }
         } else {
-            clock.next(self.h)
+            time.next(self.h)
         }
     }
 
@@ -358,7 +358,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
     pub(crate) fn upcoming(&self, state: &State<H::Vector>) -> Result<f64, StepError> {
         let at_start;
         // The memory of another state is no guide.
-        let memory = if state.t != self.clock.now || self.jumped(state) {
+        let memory = if state.t != self.time.now || self.jumped(state) {
             at_start = MemoryOf::<H, E, f64>::default();
             &at_start
         } else {
@@ -405,8 +405,8 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn arrive(&mut self, state: &mut State<H::Vector>, at: StepClock, dw: &[f64]) {
-        self.clock = at;
+    fn arrive(&mut self, state: &mut State<H::Vector>, at: StepTime, dw: &[f64]) {
+        self.time = at;
         state.t = at.now;
         if H::PROPERTIES.exchanges && !self.is_unaccounted {
             self.exchanged.all += SchemeOf::<H, E>::exchanged(self.system, &self.memory);
@@ -455,19 +455,19 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         cold();
         // A clock has no other time than that of its last step, which the state would have.
         let is_moved =
-            H::PROPERTIES.is_clocked || !self.clock.has_reached(state.t, self.h) || self.jumped(state);
+            H::PROPERTIES.is_clocked || !self.time.has_reached(state.t, self.h) || self.jumped(state);
         // If time cannot overflow from here, no step needs to check its own.
         if is_moved && !H::PROPERTIES.is_clocked && !(state.t.abs() + MOST_TICKS * self.h.abs()).is_finite() {
             return Err(self.error(state, dw, StepFailure::NonFinite));
         }
         // With the room that it has; a copy of what it remembers comes back if the step fails.
         let (left, mut memory) = (self.memory.clone(), std::mem::take(&mut self.memory));
-        let clock = if is_moved { StepClock::started(state.t) } else { self.clock };
+        let time = if is_moved { StepTime::started(state.t) } else { self.time };
         if is_moved {
             memory.tell(&MemoryRequest::Forget);
         }
         if Self::IS_ITERATED {
-            let taken = self.step_rarely(state, dw, clock, RareCause::Unguided(memory));
+            let taken = self.step_rarely(state, dw, time, RareCause::Unguided(memory));
             if taken.is_err() {
                 self.memory.adopt(left);
             }
@@ -478,9 +478,9 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         let (room, lost) = (&mut memory, &mut carry);
         match SchemeOf::<H, E>::advance::<f64, f64, C, false>(system, prepared, at, room, lost) {
             Ok(effort) => {
-                self.before += self.clock.ticks;
+                self.before += self.time.ticks;
                 (self.memory, self.carry) = (memory, carry);
-                self.arrive(state, self.after(clock), dw);
+                self.arrive(state, self.after(time), dw);
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
             }
             Err(cause) => {
@@ -491,18 +491,18 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         }
     }
 
-    /// A step that is none of the usual ones, from a time of this clock.
+    /// A step that is none of the usual ones, from this time on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn step_rarely(
         &mut self,
         state: &mut State<H::Vector>,
         dw: &[f64],
-        clock: StepClock,
+        time: StepTime,
         cause: RareCause<MemoryOf<H, E, f64>>,
     ) -> Result<StepInfo, StepError> {
         cold();
-        // A clock that was restarted.
-        let is_moved = clock.ticks == 0;
+        // Time that is counted from here.
+        let is_moved = time.ticks == 0;
         let (is_unguided, pinned) = match &cause {
             RareCause::Unguided(memory) => (true, memory.report().pinned),
             RareCause::Failed(_) => (false, self.memory.report().pinned),
@@ -529,7 +529,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
             }
         };
         if is_moved {
-            self.before += self.clock.ticks;
+            self.before += self.time.ticks;
         }
         if is_unguided {
             self.memory = taken.memory;
@@ -538,9 +538,9 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         }
         (state.q, state.p) = (taken.q, taken.p);
         self.carry = taken.carry;
-        self.arrive(state, clock.next(self.h), dw);
+        self.arrive(state, time.next(self.h), dw);
         if is_hard && const { may_mislead::<H, E>() } {
-            self.clock = self.clock.unguided();
+            self.time = self.time.unguided();
         }
         let is_doubtful = is_hard && taken.effort.is_doubtful();
         Ok(StepInfo { iterations: taken.effort.iterations, halvings: 0, is_hard, is_doubtful })

@@ -1,6 +1,6 @@
 //! The state of a stepper in a checkpoint.
 
-use super::{StepClock, Stepper};
+use super::{StepTime, Stepper};
 use crate::algebra::state::Vector;
 use crate::algebra::state_sum::StateSum;
 use crate::ground::numbers::{Numbers, Tape};
@@ -16,14 +16,14 @@ impl<H: Discretized<E>, E, C: StateSum<f64>> Stepper<'_, H, E, C> {
             memory,
             carry,
             before,
-            clock,
+            time,
             reached,
             exchanged,
             ledger: _,
             is_unaccounted: _,
             scheme: _,
         } = self;
-        let StepClock { start, ticks, now } = clock;
+        let StepTime { start, ticks, now } = time;
         tape.word(before);
         tape.word(ticks);
         tape.numbers([start, now]);
