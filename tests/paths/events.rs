@@ -263,6 +263,54 @@ fn an_ensemble_of_balls_bounces_in_closed_form() {
     assert_eq!(replayed.events(), alone.events());
 }
 
+/// Events at the ends of a run, and at nodes that only rounding tells from their times.
+#[test]
+fn events_at_the_ends_of_a_run_happen() {
+    #[hamiltonian(drift = |q, p| 0.5 * p * p, embedding = Verlet)]
+    struct Free;
+    let start: Start = State::new([0.0], [1.0]);
+    // Three steps of 0.1 end at 0.30000000000000004.
+    let run = |end: f64| Free.simulate::<Verlet>(0.1).start(start).until(end);
+    let path = run(0.3).on_time(0.0, |s| s.p[0] += 1.0).on_time(0.3, |s| s.p[0] += 1.0).run().unwrap();
+    assert_eq!(path.events().len(), 2);
+    assert_eq!((path.last().p[0], path.last().t, path.steps()), (3.0, 0.3, 3));
+    assert!((path.last().q[0] - 0.6).abs() < 1e-15);
+    // At a node on the way, once.
+    let path = run(1.0).on_time(0.3, |s| s.p[0] = 0.0).run().unwrap();
+    assert_eq!(path.events().len(), 1);
+    assert!((path.last().q[0] - 0.3).abs() < 1e-15 && path.steps() == 10);
+    // Two at one time, in the order of the calls.
+    let path = run(1.0).on_time(0.25, |s| s.p[0] = 5.0).on_time(0.25, |s| s.p[0] *= 2.0).run().unwrap();
+    assert_eq!((path.last().p[0], path.events().len()), (10.0, 2));
+    // An event that ends the run before its first step.
+    let path = run(1.0).on_time(0.0, |_| Terminal).run().unwrap();
+    assert_eq!((path.steps(), path.last().t, path.len()), (0, 0.0, 1));
+    // A crossing at a node, from which states between nodes go on.
+    let path = Free.simulate::<Verlet>(0.25).start(start).until(1.0).on(|s| s.q[0] - 0.5, |s| s.p[0] = -1.0);
+    let path = path.run().unwrap();
+    assert_eq!(path.events()[0].before.t, 0.5);
+    assert_eq!(path.last().q[0], 0.0);
+    assert!((path.state_at(&Free, 0.6).unwrap().q[0] - 0.4).abs() < 1e-15);
+}
+
+/// The heat of a step that an event divides is that of its parts: all energy is heat, or goes at the floor.
+#[test]
+fn parts_of_a_step_have_their_heat() {
+    #[hamiltonian(drift = |q, p| 0.5 * p * p + 2.0 * q, friction = gamma, embedding = Gauss<4>)]
+    struct Dropped {
+        gamma: f64,
+    }
+    let ball = Dropped { gamma: 0.3 };
+    let run = ball.simulate::<Gauss<4>>(0.4).start(at_rest(1.0)).until(4.0);
+    let path = run.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -0.9).run().unwrap();
+    let at_floor: f64 =
+        path.events().iter().map(|event| ball.energy(&event.after) - ball.energy(&event.before)).sum();
+    let lost = ball.energy(path.last()) - ball.energy(&at_rest(1.0));
+    // The quadrature along the parts is of order 4 for a polynomial of order 4 between the nodes: (γ h)^4 / 100.
+    assert!((path.heat() + at_floor - lost).abs() < 3e-6, "{} {at_floor} {lost}", path.heat());
+    assert!(path.events().len() > 1 && path.heat() < -0.5);
+}
+
 /// What has no meaning with events is refused in words.
 #[test]
 fn settings_that_events_exclude_are_refused() {

@@ -136,6 +136,11 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
                 ));
             }
         }
+        if H::PROPERTIES.is_clocked && grid.end.is_none() {
+            return wrong(
+                "`steps` of paths by clocks, which have no common times then: give them an end, `.until(time)`",
+            );
+        }
         if H::PROPERTIES.is_clocked && setup.recorded.every.is_some() {
             return wrong(
                 "`record_every` of paths by clocks, which have no common nodes: record them at times, `.record_at(times)`",

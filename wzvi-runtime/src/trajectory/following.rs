@@ -16,7 +16,8 @@ use crate::trajectory::events::{AfterEvent, Event, EventRules};
 use crate::trajectory::options::Observable;
 use crate::trajectory::recorded::Recorder;
 use crate::trajectory::section::{Crossing, Direction, SectionWatch, root};
-use crate::trajectory::step::{StepInfo, Stepper};
+use crate::trajectory::span::{NodeGrid, NodeOrInside};
+use crate::trajectory::step::{Exchanged, StepInfo, Stepper, beside_scheme};
 use crate::trajectory::steps::StepToTake;
 
 /// The most events in one step.
@@ -85,8 +86,8 @@ pub(crate) struct Following<'a, H: Discretized<E>, E> {
     end: Option<f64>,
     /// The direction of time.
     sign: f64,
-    /// How many of the events at given times have happened, in the order of time, and these events.
-    times: Vec<(usize, f64)>,
+    /// The events at given times in the order of the run, of which so many are past.
+    times: Vec<TimedEvent>,
     past: usize,
     before: State<H::Vector>,
     /// Scratch: the start of a part of a step.
@@ -102,8 +103,9 @@ pub(crate) struct Following<'a, H: Discretized<E>, E> {
     kept: usize,
     /// The events of the last step.
     pub(crate) happened: Vec<Event<H::Vector>>,
-    /// Whether the run has ended.
+    /// Whether the run has ended, and whether an event has ended it.
     pub(crate) is_over: bool,
+    has_ended_early: bool,
 }
 
 /// A function of the state whose zeros are events.
@@ -112,6 +114,15 @@ struct CrossingRule<'a, V> {
     /// The direction that counts, if only one does.
     direction: Option<Direction>,
     value: Observable<'a, V>,
+}
+
+/// An event at a given time of the run.
+#[derive(Clone, Copy)]
+struct TimedEvent {
+    number: usize,
+    t: f64,
+    /// A time that is a node up to rounding is that of the node.
+    place: NodeOrInside,
 }
 
 /// An event to come.
@@ -126,12 +137,13 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         system: &'a H,
         rules: EventRules<'a, H::Vector>,
         start: &State<H::Vector>,
-        sign: f64,
-        end: Option<f64>,
+        grid: &NodeGrid,
     ) -> Self {
-        let mut times: Vec<(usize, f64)> = rules.times().collect();
-        times.sort_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)));
-        times.retain(|(_, t)| sign * (t - start.t) >= 0.0);
+        let (sign, end) = (grid.h.signum(), grid.end);
+        let timed =
+            rules.times().filter_map(|(number, t)| Some(TimedEvent { number, t, place: grid.place(t)? }));
+        let mut times: Vec<TimedEvent> = timed.collect();
+        times.sort_by(|a, b| (sign * a.t).total_cmp(&(sign * b.t)));
         let crossings = rules.crossings();
         let functions: Vec<_> = crossings
             .map(|(number, direction, value)| CrossingRule { number, direction, value: value.clone() })
@@ -158,6 +170,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             kept: 0,
             happened: Vec::new(),
             is_over: false,
+            has_ended_early: false,
         };
         following.face(start);
         following
@@ -171,7 +184,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     /// Acts at the start, at whose time there may be events.
     pub(crate) fn begin(&mut self, state: &mut State<H::Vector>) {
         self.happened.clear();
-        self.act_at_node(state);
+        self.act_at_node(0, state);
     }
 
     /// Whether the path is on or past the end of a run by a clock.
@@ -202,12 +215,13 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         };
         let mut noise = StepNoise { noise, interval, h, is_own };
         self.draw(&mut noise, size, dw)?;
+        let exchanged = stepper.account().clone();
         let info = stepper.step(state, dw)?;
         if is_own {
             noise.h = state.t - self.before.t;
         }
         self.whole = noise.h;
-        let outcome = self.divide(stepper, state, &mut noise, dw);
+        let outcome = self.divide(stepper, exchanged, state, &mut noise, dw);
         if outcome.is_err() {
             copy_state(state, &self.before);
         }
@@ -235,7 +249,8 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     /// Divides the step that led to `state` where something happens.
     fn divide<N: Noise, C: StateSum<f64>>(
         &mut self,
-        stepper: &Stepper<'a, H, E, C>,
+        stepper: &mut Stepper<'a, H, E, C>,
+        exchanged: Exchanged,
         state: &mut State<H::Vector>,
         noise: &mut StepNoise<'_, N>,
         dw: &mut [f64],
@@ -271,12 +286,15 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             self.keep_piece([&from, state], dw, is_whole);
             self.is_over = self.is_past(last);
         }
+        if !is_whole && Stepper::<H, E, C>::MAY_EXCHANGE {
+            self.account_for_pieces(stepper, exchanged)?;
+        }
         // All that drove the step up to here.
         if !is_whole {
             self.increments(noise, [self.before.t, state.t], dw)?;
         }
         self.from = Some(from);
-        self.act_at_node(state);
+        self.act_at_node(noise.interval.step + 1, state);
         Ok(())
     }
 
@@ -300,6 +318,28 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             }
         }
         self.next_event(noise, from, to)
+    }
+
+    /// Accounts for the energy that the parts of the step exchanged, in place of the step as a whole.
+    #[cold]
+    fn account_for_pieces<C: StateSum<f64>>(
+        &mut self,
+        stepper: &mut Stepper<'a, H, E, C>,
+        mut exchanged: Exchanged,
+    ) -> Result<(), Error> {
+        let mut room = self.room.clone();
+        for piece in self.pieces.iter().take(self.kept) {
+            let StepPiece { from, to, dw, .. } = piece;
+            let h = to.t - from.t;
+            let step = self.side.step(self.system, from, h, dw, &mut room);
+            step.map_err(|cause| StepError { step: stepper.steps(), t: from.t, h, cause })?;
+            self.dense.fill_by_rates::<H, E>(self.system, [from, to], h, dw);
+            let heats = self.side.exchanged(self.system, &mut exchanged.all);
+            exchanged.add_heats_of(heats);
+            exchanged.all += beside_scheme::<H, E>(self.system, [from, to], &self.dense, dw);
+        }
+        stepper.set_exchanged(exchanged);
+        Ok(())
     }
 
     /// Keeps a part of the step.
@@ -372,10 +412,15 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             None => self.first_crossing(from, to)?,
             Some(_) => self.first_change(noise, from, to)?,
         };
-        let timed = self.times.get(self.past).copied().filter(|(_, t)| self.sign * (to.t - t) > 0.0);
+        let inside = |event: &TimedEvent| {
+            matches!(event.place, NodeOrInside::Inside(_)) && self.sign * (to.t - event.t) > 0.0
+        };
+        let timed = self.times.get(self.past).copied().filter(inside);
         match (crossing, timed) {
-            (Some(crossing), Some((_, t))) if self.sign * (crossing.at.t - t) < 0.0 => Ok(Some(crossing)),
-            (_, Some((number, t))) => {
+            (Some(crossing), Some(timed)) if self.sign * (crossing.at.t - timed.t) < 0.0 => {
+                Ok(Some(crossing))
+            }
+            (_, Some(TimedEvent { number, t, .. })) => {
                 let mut at = from.clone();
                 let mut dw = vec![0.0; self.system.increments(from.q.components().len())];
                 self.part(noise, from, t, &mut dw, &mut at)?;
@@ -461,12 +506,12 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let (mut first, processes): (Option<NextEvent<H::Vector>>, _) =
             (None, self.system.increments(from.q.components().len()));
         let mut signs = self.signs.clone();
-        for place in 0..self.functions.len() {
+        for (place, sign) in signs.iter_mut().enumerate() {
             let CrossingRule { number, direction: wanted, value } = &self.functions[place];
             let (number, wanted, value) = (*number, *wanted, value.clone());
-            let (before, after) = (signs[place], value(to));
+            let (before, after) = (*sign, value(to));
             if after != 0.0 {
-                signs[place] = after;
+                *sign = after;
             }
             let direction = if after > 0.0 { Direction::Rising } else { Direction::Falling };
             let changes = before * after < 0.0 && wanted.is_none_or(|wanted| wanted == direction);
@@ -505,17 +550,20 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let outcome = (self.rules.0[number].action)(&mut after);
         // An action changes no time.
         after.t = before.t;
-        self.is_over |= outcome == AfterEvent::End;
+        if outcome == AfterEvent::End {
+            (self.is_over, self.has_ended_early) = (true, true);
+        }
         self.happened.push(Event { event: number, before, after: after.clone() });
         after
     }
 
-    /// Events whose time is that of a node.
-    fn act_at_node(&mut self, state: &mut State<H::Vector>) {
+    /// Events whose time is that of a node. A clock comes to its end at a node whose number is not known
+    /// before.
+    fn act_at_node(&mut self, node: u64, state: &mut State<H::Vector>) {
         let mut has_acted = false;
-        while let Some((number, t)) = self.times.get(self.past).copied()
-            && t == state.t
-            && !self.is_over
+        while let Some(TimedEvent { number, t, place }) = self.times.get(self.past).copied()
+            && (place == NodeOrInside::Node(node) || H::PROPERTIES.is_clocked && t == state.t)
+            && !(self.is_over && self.has_ended_early)
         {
             self.past += 1;
             *state = self.act(number, state.clone());

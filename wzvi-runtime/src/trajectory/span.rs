@@ -107,6 +107,7 @@ impl NodeGrid {
         }
         let grid = Self { start, h: eps, steps: MOST_STEPS, end: None, shorter: None, is_clocked: true };
         match end {
+            RunEnd::Time(end) if end == start => Ok(Self { steps: 0, end: Some(end), ..grid }),
             RunEnd::Time(end) if end.is_finite() => {
                 Ok(Self { h: eps.copysign(end - start), end: Some(end), ..grid })
             }

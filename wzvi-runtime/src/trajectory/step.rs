@@ -86,6 +86,13 @@ impl Exchanged {
         Self { all: Exchange::default(), by_degree: vec![0.0; degrees] }
     }
 
+    /// Adds the heats of a step, where there are any.
+    pub(crate) fn add_heats_of(&mut self, of_step: &[f64]) {
+        if !of_step.is_empty() {
+            self.add_heats(of_step);
+        }
+    }
+
     /// Adds the heats of a step. The first one makes the list where the system does not know its size.
     fn add_heats(&mut self, of_step: &[f64]) {
         if self.by_degree.len() != of_step.len() {
@@ -350,12 +357,17 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         }
     }
 
-    /// The time at the end of the next step of a state by a clock: NaN where the clock does not know it
-    /// before.
+    /// The time at the end of the next step of a state, in the units of the Hamiltonian: for a scheme with a
+    /// [clock](crate::scheme::clock), whose noise has the increments from the time of the state to this one.
+    /// NaN where the clock does not know it before the step: for `Extended`, `Logarithmic` and compositions of
+    /// `Clocked`.
     ///
     /// # Errors
-    /// The errors of a clock that is not positive there.
-    pub(crate) fn upcoming(&self, state: &State<H::Vector>) -> Result<f64, StepError> {
+    /// [`StepFailure::ClockNotPositive`] and [`StepFailure::ClockTooCoarse`].
+    pub fn upcoming(&self, state: &State<H::Vector>) -> Result<f64, StepError> {
+        if !H::PROPERTIES.is_clocked {
+            return Ok(state.t + self.h);
+        }
         let at_start;
         // The memory of another state is no guide.
         let memory = if state.t != self.time.now || self.jumped(state) {
@@ -569,6 +581,22 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         let h = if H::PROPERTIES.is_clocked { f64::NAN } else { self.h };
         StepError { step: self.steps(), t: state.t, h, cause }
     }
+}
+
+/// The energy that a step of a path exchanged beside what its scheme accounts for, by the dense output of
+/// this step.
+pub(crate) fn beside_scheme<H: Discretized<E>, E>(
+    system: &H,
+    [from, to]: [&State<H::Vector>; 2],
+    dense: &DenseOutput<H::Vector>,
+    dw: &[f64],
+) -> Exchange {
+    if !account::is_wanted::<H, E>(system) {
+        return Exchange::default();
+    }
+    let mut ledger = EnergyLedger::of(from, H::PLAN.order);
+    ledger.dense.clone_from(dense);
+    ledger.exchanged::<H, E>(system, to, to.t - from.t, dw)
 }
 
 /// Whether what a hard step leaves may mislead the next: it knows one point of the curve that steps follow,

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use crate::algebra::memory::{MemoryRequest, StepMemory};
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::system::{Hamiltonian, LiftParameter, Scheme, StepArguments, anew, as_they_are};
+use crate::scheme::system::{Exchange, Hamiltonian, LiftParameter, Scheme, StepArguments, anew, as_they_are};
 
 /// Takes side steps by the scheme `T`, and keeps their room. Each is of the full order of the scheme, and
 /// knows nothing of the steps before.
@@ -49,6 +49,16 @@ impl<H: Hamiltonian, T: Scheme<H>> SideStepper<H, T> {
         taken?;
         into.t = from.t + h;
         Ok(())
+    }
+
+    /// Adds the energy that the last step exchanged, as far as its scheme accounts for it; the heat of each
+    /// degree of freedom where they have temperatures of their own.
+    pub(crate) fn exchanged(&self, system: &H, sum: &mut Exchange) -> &[f64] {
+        let Some(memory) = &self.memory else { return &[] };
+        if T::PROPERTIES.exchanges {
+            *sum += T::exchanged(system, memory);
+        }
+        if T::PROPERTIES.has_temperatures { T::heats(memory) } else { &[] }
     }
 
     fn prepared(&mut self, system: &H, h: f64) -> Result<&T::Prepared<f64>, ConfigError> {

@@ -73,7 +73,8 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// the last event between.
     fn after_events<'p>(&'p self, node: &'p State<V>, t: f64) -> &'p State<V> {
         let sign = self.step_size().signum();
-        let is_between = |at: f64| sign * (at - node.t) > 0.0 && sign * (at - t) <= 0.0;
+        // An event at a node is the first of what happens in the step after it.
+        let is_between = |at: f64| sign * (at - node.t) >= 0.0 && sign * (at - t) <= 0.0;
         let last = self.events().iter().rev().find(|event| is_between(event.after.t));
         last.map_or(node, |event| &event.after)
     }
@@ -148,7 +149,7 @@ impl<'p, H: Discretized<E>, E, N: Noise> States<'p, H, E, N> {
         }
         let (interval, size) = (Interval { step: node, ..grid.first() }, grid.size(node));
         let from = path.after_events(&state, t);
-        if from.t != state.t {
+        if !std::ptr::eq(from, &raw const state) {
             return self.side_step(from, StepOfPath { interval, h: size, is_own: false }, t);
         }
         let mut noise = self.inside(index, &interval, size)?;

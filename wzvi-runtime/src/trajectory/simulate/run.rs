@@ -58,7 +58,7 @@ where
         let h = grid.h;
         let described = events.in_words();
         if is_followed {
-            stepper = stepper.following(Following::new(system, events, &start, h.signum(), grid.end));
+            stepper = stepper.following(Following::new(system, events, &start, &grid));
         }
         stepper.watch.ends_after(grid.whole());
         let recording = setup.recorded.checked(1, &grid)?;
@@ -106,6 +106,9 @@ where
             if first == 0 {
                 nodes.begin(&mut path);
                 nodes.run.show(path.state, 0, path.dw);
+            }
+            if path.stepper.is_over() {
+                break None;
             }
             let all = take_all(&mut path, first, &mut nodes);
             match all.and_then(|()| Ok(path.stepper.arrive(path.state, &nodes.grid)?)) {
@@ -230,6 +233,9 @@ impl<V: Vector, O: Observer<V>> NodeHandler<'_, '_, '_, O, V> {
             following.begin(path.state);
             let recorder = &mut self.run.account.recorder;
             following.happened.drain(..).for_each(|event| recorder.happen(event));
+            if following.is_over {
+                (self.grid.steps, self.grid.end, self.grid.shorter) = (0, Some(path.state.t), None);
+            }
         }
     }
 
@@ -368,7 +374,7 @@ where
         if node >= nodes.due || is_enough {
             let is_over = nodes.shown.at_node(node) || is_enough;
             // A run goes on from whole steps.
-            let may_save = node <= nodes.grid.whole();
+            let may_save = node <= nodes.grid.whole() && !path.stepper.is_over();
             if may_save && (nodes.keeper.is_due(node) || (is_over && nodes.keeper.keeps())) {
                 nodes.keeper.save_path(path, &mut nodes.run, node)?;
             }
