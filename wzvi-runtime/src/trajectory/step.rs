@@ -359,8 +359,8 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
 
     /// The time at the end of the next step of a state, in the units of the Hamiltonian: for a scheme with a
     /// [clock](crate::scheme::clock), whose noise has the increments from the time of the state to this one.
-    /// NaN where the clock does not know it before the step: for `Extended`, `Logarithmic` and compositions of
-    /// `Clocked`.
+    /// NaN where the clock does not know it before the step: for `Extended`, `Logarithmic` and compositions
+    /// of `Clocked`.
     ///
     /// # Errors
     /// [`StepFailure::ClockNotPositive`] and [`StepFailure::ClockTooCoarse`].
