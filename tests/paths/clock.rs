@@ -231,6 +231,27 @@ fn a_run_by_a_clock_resumes() {
     assert_eq!(resumed.intervals(), whole.intervals());
     assert_eq!(resumed.crossings(), whole.crossings());
     assert_eq!(resumed.events(), whole.events());
+    // An end before the file.
+    let said = run(2.0).checkpoint(Checkpoint::to(&file).every_steps(5)).run().map(drop).unwrap_err().to_string();
+    assert!(said.contains("give a later end"), "{said}");
+}
+
+/// The last step, which the end of the run cuts, has the noise of the whole step; what happens at the end of
+/// a run by a clock is recorded.
+#[test]
+fn the_last_step_keeps_its_noise() {
+    let shaken = Shaken { s: 0.3 };
+    let run = |end: f64| {
+        let run = shaken.simulate::<Clocked<Midpoint>>(Eps(0.05)).start(State::new([1.0], [0.0]));
+        run.noise(StepNormals::seed(3)).until(end)
+    };
+    let (path, longer) = (run(1.0).run().unwrap(), run(2.0).run().unwrap());
+    let begin = path.intervals().last().unwrap().t;
+    for t in [begin + 0.3 * (1.0 - begin), begin + 0.8 * (1.0 - begin), 1.0] {
+        let state = |path: &Trajectory<_, _>| path.at(&shaken).noise(StepNormals::seed(3)).state(t).unwrap();
+        let (one, other) = (state(&path), state(&longer));
+        assert!((one.p[0] - other.p[0]).abs() < 1e-14, "{t}: {one:?} {other:?}");
+    }
 }
 
 #[test]
@@ -242,6 +263,9 @@ fn clocks_that_are_none_are_refused() {
     }
     let said = run(80.0).run().map(drop).unwrap_err().to_string();
     assert!(said.contains("take a smaller `Eps`"), "{said}");
+    let steps = Kepler.simulate::<Clocked<Verlet>>(Eps(0.2)).start(pericentre(0.9)).steps(9).record_at([0.1]);
+    let said = steps.run().map(drop).unwrap_err().to_string();
+    assert!(said.contains("write `.until(0.1)`"), "{said}");
     let centre =
         Kepler.simulate::<Clocked<Verlet>>(Eps(0.2)).start(State::new([0.0, 0.0], [1.0, 0.0])).until(1.0);
     let said = centre.run().map(drop).unwrap_err().to_string();

@@ -102,15 +102,19 @@ fn bounces_that_accumulate_end_the_run() {
     assert_eq!(stopped.last(), &stopped.events().last().unwrap().after);
 }
 
-/// A quarter of the period of a pendulum is `K(sin²(a/2))`, by the arithmetic-geometric mean.
-#[test]
-fn a_terminal_event_ends_the_run_at_its_time() {
-    let amplitude = 1.0_f64;
+/// A quarter of the period of a pendulum, `K(sin²(a/2))`, by the arithmetic-geometric mean.
+fn quarter(amplitude: f64) -> f64 {
     let (mut a, mut g) = (1.0_f64, (0.5 * amplitude).cos());
     for _ in 0..6 {
         (a, g) = (0.5 * (a + g), (a * g).sqrt());
     }
-    let quarter = std::f64::consts::FRAC_PI_2 / a;
+    std::f64::consts::FRAC_PI_2 / a
+}
+
+#[test]
+fn a_terminal_event_ends_the_run_at_its_time() {
+    let amplitude = 1.0_f64;
+    let quarter = quarter(amplitude);
     for h in [0.5, 0.11] {
         let run = Pendulum.simulate::<Gauss<8>>(h).start(State::new([amplitude], [0.0])).until(10.0);
         let run = run.on(|s| s.q[0], |_| Terminal).run().unwrap();
@@ -187,19 +191,22 @@ fn what_is_between_nodes_knows_of_events() {
 fn events_divide_the_increments_of_a_step() {
     let pushed = Pushed { s: 0.7 };
     let run =
-        || pushed.simulate::<Verlet>(0.25).start(State::new([0.0], [0.0])).until(3.1).noise(Wiener::seed(5));
+        || pushed.simulate::<Verlet>(0.25).start(State::new([0.0], [0.0])).until(31.1).noise(Wiener::seed(5));
     let (free, path) =
         (run().run().unwrap(), run().on_time(0.33, |_| ()).on(|s| s.p[0] - 0.1, |_| ()).run().unwrap());
-    assert!(path.events().len() > 2, "{}", path.events().len());
+    // Each change of sign between nodes, once.
+    let changes = free.states().windows(2).filter(|ends| (ends[0].p[0] < 0.1) != (ends[1].p[0] < 0.1)).count();
+    assert!(changes > 2 && path.events().len() == changes + 1, "{changes} {}", path.events().len());
     for (free, path) in free.iter().zip(path.iter()) {
-        assert!((free.p[0] - path.p[0]).abs() < 1e-14, "{}", free.t);
+        // 125 roundings of numbers below 4.
+        assert!((free.p[0] - path.p[0]).abs() < 6e-14, "{}", free.t);
     }
     for (free, path) in free.increments().zip(path.increments()) {
         assert!((free[0] - path[0]).abs() < 1e-15);
     }
     let w = |t: f64| 0.7 * Wiener::seed(5).value(0, t).unwrap();
     for event in path.events() {
-        assert!((event.before.p[0] - w(event.before.t)).abs() < 1e-14, "{}", event.before.t);
+        assert!((event.before.p[0] - w(event.before.t)).abs() < 6e-14, "{}", event.before.t);
     }
     // Crossings of the path itself, up to what it does within the resolution of its times, some 2e-14 here:
     // `0.7 √(2e-14) = 1e-7`, of which ten are never seen.
@@ -327,4 +334,90 @@ fn settings_that_events_exclude_are_refused() {
     let many = ball.ensemble::<Verlet>(0.1).start(at_rest(1.0)).paths(4).until(1.0).on(|s| s.q[0], |_| ());
     let said = many.first_passage("floor", |s| s.q[0]).run().map(drop).unwrap_err().to_string();
     assert!(said.contains("`first_passage`") && said.contains("Terminal"), "{said}");
+}
+
+/// A path is on the side of a wall on which it was, whatever happens meanwhile.
+#[test]
+fn walls_hold() {
+    let ball = ball();
+    // The node at t = 1 is on the floor, to the last bit, and something else happens there.
+    let run = ball.simulate::<Verlet>(0.25).start(at_rest(1.0)).until(3.0).on_time(1.0, |_| ());
+    let run = run.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -1.0).run().unwrap();
+    let happened: Vec<_> = run.events().iter().map(|event| (event.event, event.before.t)).collect();
+    assert_eq!(happened, [(0, 1.0), (1, 1.0), (1, 3.0)][..happened.len()]);
+    assert!(happened.len() >= 2 && run.iter().all(|state| state.q[0] >= 0.0));
+    // A ball that keeps no speed rests on the floor, and does not fall through it.
+    let run = ball.simulate::<Verlet>(0.3).start(at_rest(1.0)).until(3.0);
+    let run = run.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] = 0.0);
+    let (path, error) = run.run_partial().unwrap();
+    let Some(wzvi::Error::Step(error)) = error else { panic!("{error:?} {:?}", path.last()) };
+    assert!(matches!(error.cause, StepFailure::TooManyEvents { .. }), "{error}");
+
+    // A corner: both walls are hit at one time, up to rounding.
+    #[hamiltonian(drift = |q: [f64; 2], p: [f64; 2]| 0.5 * (p[0] * p[0] + p[1] * p[1]), embedding = [Verlet, Midpoint])]
+    struct Puck;
+    for (q, p) in [([0.5, 0.5], [1.0, 1.0]), ([0.3, 0.6], [-0.1, -0.2]), ([0.7, 0.1], [-0.7, -0.1])] {
+        let run = Puck.simulate::<Midpoint>(0.13).start(State::new(q, p)).until(9.0);
+        let run = run.on(|s| s.q[0], |s| s.p[0] *= -1.0).on(|s| s.q[1], |s| s.p[1] *= -1.0);
+        let run = run.on(|s| s.q[0] - 1.0, |s| s.p[0] *= -1.0).on(|s| s.q[1] - 1.0, |s| s.p[1] *= -1.0);
+        let path = run.run().unwrap();
+        for i in 0..2 {
+            // Unfolded, the motion is a straight line.
+            let straight = (q[i] + 9.0 * p[i]).rem_euclid(2.0);
+            let expected = straight.min(2.0 - straight);
+            assert!((path.last().q[i] - expected).abs() < 1e-13, "{:?} {expected}", path.last());
+        }
+        assert!(path.iter().all(|state| state.q.iter().all(|q| (-1e-14..1.0 + 1e-14).contains(q))));
+    }
+}
+
+/// An event that changes nothing counts each crossing once, and leaves the path what it is.
+#[test]
+fn events_that_change_nothing_count_crossings() {
+    let start = State::new([1.0], [0.0]);
+    for h in [0.5, 0.37, -0.11] {
+        let run = || Pendulum.simulate::<Gauss<8>>(h).start(start).until(100.0_f64.copysign(h));
+        let free = run().section(|s| s.q[0]).run().unwrap();
+        let counted = run().on(|s| s.q[0], |_| ()).run().unwrap();
+        // A side step from each event: a few units in the last place for each.
+        for (number, event) in counted.events().iter().enumerate() {
+            let t = (quarter(1.0) * (2 * number + 1) as f64).copysign(h);
+            assert!((event.before.t - t).abs() < 1e-14 * (number + 1) as f64 * 4.0, "{h}: {} {t}", event.before.t);
+        }
+        let crossings = (50.0 / quarter(1.0) + 0.5) as usize;
+        assert_eq!((free.crossings().len(), counted.events().len()), (crossings, crossings));
+    }
+}
+
+/// Nothing is recorded after the end, sections do not see what an event does, and the state at the time of
+/// an event is the one after it.
+#[test]
+fn records_know_when_an_event_happens() {
+    let ball = ball();
+    let run = |end: f64| ball.simulate::<Verlet>(0.3).start(at_rest(1.0)).until(end);
+    let path = run(3.0).on_time(0.7, |_| Terminal).record_at([0.65, 0.7, 0.72, 2.0]).run().unwrap();
+    assert!(path.times().eq([0.0, 0.65, 0.7, 0.7]), "{:?}", path.times().collect::<Vec<_>>());
+    let path = run(3.0).on_time(0.7, |s| s.p[0] = 0.0).record_at([0.7]).run().unwrap();
+    assert_eq!(path.states()[1], path.events()[0].after);
+    assert_eq!(path.states()[1].p[0], 0.0);
+    let path = run(3.0).on_time(0.7, |s| s.p[0] = 0.0).run().unwrap();
+    assert_eq!(path.state_at(&ball, 0.7).unwrap(), path.events()[0].after);
+    // Lifted past the section at 0.9, from where it falls through it.
+    let lifted = run(1.2).on_time(0.7, |s| s.q[0] = 1.0).section(|s| s.q[0] - 0.9).run().unwrap();
+    let directions: Vec<_> = lifted.crossings().iter().map(|crossing| crossing.direction).collect();
+    assert_eq!(directions, [Direction::Falling, Direction::Falling]);
+}
+
+/// A step that an event ends has the noise of the whole step.
+#[test]
+fn a_step_that_an_event_ends_keeps_its_noise() {
+    let pushed = Pushed { s: 0.7 };
+    let run = pushed.simulate::<Verlet>(0.25).start(State::new([0.0], [0.0])).until(3.1);
+    let path = run.noise(Wiener::seed(5)).on_time(1.1, |_| Terminal).run().unwrap();
+    let mut states = path.at(&pushed).noise(Wiener::seed(5));
+    for t in [1.02, 1.07, 1.1] {
+        let p = 0.7 * Wiener::seed(5).value(0, t).unwrap();
+        assert!((states.state(t).unwrap().p[0] - p).abs() < 1e-14, "{t}");
+    }
+    assert!((path.last().p[0] - 0.7 * path.wiener(0).last().unwrap()).abs() < 1e-14);
 }

@@ -213,7 +213,8 @@ where
 fn the_extended_phase_space_restores_the_energy() {
     let [at_once, at_apocentre] = kicked::<Extended<Gauss<8>>>();
     assert!((at_once - 1.990e-7).abs() < 1e-10, "{at_once:e}");
-    assert!((at_apocentre - 7.09e-11).abs() < 1e-13, "{at_apocentre:e}");
+    // The kinetic energy at the pericentre is 99.5, whose last place is 1.4e-14: 20 of these.
+    assert!((at_apocentre - 7.09e-11).abs() < 3e-13, "{at_apocentre:e}");
     let [at_once, at_apocentre] = kicked::<Clocked<Gauss<8>>>();
     assert!((at_once - 1.990e-7).abs() < 1e-10, "{at_once:e}");
     assert!((at_apocentre / at_once - 1.0).abs() < 1e-3, "{at_apocentre:e}");

@@ -12,6 +12,16 @@ pub enum Direction {
     Falling,
 }
 
+impl Direction {
+    /// The sign of the values behind a crossing.
+    pub(crate) fn sign(self) -> f64 {
+        match self {
+            Self::Rising => 1.0,
+            Self::Falling => -1.0,
+        }
+    }
+}
+
 /// A point at which a path crosses a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

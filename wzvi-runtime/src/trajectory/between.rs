@@ -21,7 +21,7 @@ pub(crate) struct BetweenNodes<'s, 'a, V> {
 }
 
 /// A step, or a part of it.
-pub(crate) struct StepPart<'p> {
+pub(crate) struct StepPart<'p, V> {
     /// The number of the step.
     pub(crate) step: u64,
     /// Its increments.
@@ -30,6 +30,8 @@ pub(crate) struct StepPart<'p> {
     pub(crate) later: &'p [f64],
     /// Whether the step ends with it.
     pub(crate) is_last: bool,
+    /// The end of the run, where an event is that: nothing comes after it.
+    pub(crate) end: Option<&'p State<V>>,
 }
 
 impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
@@ -82,28 +84,36 @@ impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
     }
 
     /// Looks into a step, or a part of it.
-    pub(crate) fn search(&mut self, dense: &DenseOutput<V>, part: &StepPart<'_>, recorder: &mut Recorder<V>) {
+    pub(crate) fn search(&mut self, dense: &DenseOutput<V>, part: &StepPart<'_, V>, recorder: &mut Recorder<V>) {
         self.record_times(dense, part, recorder);
         self.find_crossings(dense, recorder, &mut |_| {});
     }
 
-    /// Records the times that are in a step, or in a part of it.
+    /// Records the times that are in a step, or in a part of it. What is at the end of a part that ends with
+    /// an event has the state after it, at the start of the next part.
     pub(crate) fn record_times(
         &mut self,
         dense: &DenseOutput<V>,
-        part: &StepPart<'_>,
+        part: &StepPart<'_, V>,
         recorder: &mut Recorder<V>,
     ) {
         let Self { room, manifold, .. } = self;
         while let Some(moment) = recorder.next_inside().filter(|moment| moment.step == part.step) {
             let theta = dense.fraction(moment.t);
-            if theta > 1.0 && !part.is_last {
+            let is_at_end = part.end.is_some_and(|end| end.t == moment.t);
+            let is_later = if part.end.is_some() { theta > 1.0 } else { theta >= 1.0 && !part.is_last };
+            if is_later && !is_at_end {
                 break;
             }
             let theta = theta.clamp(0.0, 1.0);
-            dense.write(theta, room);
-            room.t = moment.t;
-            put_on(*manifold, room);
+            match part.end {
+                Some(end) if is_at_end => copy_state(room, end),
+                _ => {
+                    dense.write(theta, room);
+                    room.t = moment.t;
+                    put_on(*manifold, room);
+                }
+            }
             let later = |process: usize| part.later.get(process).copied().unwrap_or(0.0);
             recorder.keep_inside(room, |process| (1.0 - theta) * part.dw[process] + later(process));
         }
@@ -126,7 +136,7 @@ impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
         });
     }
 
-    /// The function of a section.
+    /// The sections that are looked for.
     pub(crate) fn sections(&self) -> &'s Sections<'a, V> {
         self.sections
     }

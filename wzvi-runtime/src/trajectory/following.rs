@@ -5,7 +5,8 @@
 
 use crate::algebra::state::{State, Vector, copy_state};
 use crate::algebra::state_sum::StateSum;
-use crate::error::{StepError, StepFailure};
+use crate::error::{ConfigError, StepError, StepFailure, wrong};
+use crate::ground::digits::ShortestDecimal;
 use crate::increments::{Interval, Noise};
 use crate::scheme::clock::SideStepper;
 use crate::scheme::dense::DenseOutput;
@@ -15,9 +16,9 @@ use crate::trajectory::between::{BetweenNodes, StepPart};
 use crate::trajectory::events::{AfterEvent, Event, EventRules};
 use crate::trajectory::options::Observable;
 use crate::trajectory::recorded::Recorder;
-use crate::trajectory::section::{Crossing, Direction, SectionWatch, root};
-use crate::trajectory::span::{NodeGrid, NodeOrInside};
-use crate::trajectory::step::{Exchanged, StepInfo, Stepper, beside_scheme};
+use crate::trajectory::section::{Crossing, Direction, SectionWatch, SignSide, root, sign};
+use crate::trajectory::span::{NodeGrid, NodeOrInside, projected};
+use crate::trajectory::step::{Exchanged, StepInfo, Stepper, beside_scheme, zero_if_finite};
 use crate::trajectory::steps::StepToTake;
 
 /// The most events in one step.
@@ -65,10 +66,12 @@ pub(crate) struct StepPiece<V> {
 }
 
 /// A step that was taken, to look into.
-pub(crate) struct StepLook<'l, N> {
+pub(crate) struct StepLook<'l, N, V> {
     pub(crate) number: u64,
     pub(crate) noise: &'l mut Option<N>,
     pub(crate) dw: &'l [f64],
+    /// The state at its end.
+    pub(crate) end: &'l State<V>,
 }
 
 /// Follows a path through its steps.
@@ -77,10 +80,11 @@ pub(crate) struct Following<'a, H: Discretized<E>, E> {
     rules: EventRules<'a, H::Vector>,
     /// The functions of crossings, with the number of the event and the direction that counts.
     functions: Vec<CrossingRule<'a, H::Vector>>,
-    /// Follows the signs of these functions, without noise.
+    /// The sides of these functions.
     watch: SectionWatch<H::Vector>,
-    /// The signs at the last node, with noise.
-    signs: Vec<f64>,
+    /// Scratch: the sides at the start of a part of a step, and the crossings on the polynomial of the part.
+    sides: Vec<SignSide<State<H::Vector>>>,
+    found: Vec<FoundCrossing>,
     side: SideStepsOf<H, E>,
     /// The end of a run by a clock.
     end: Option<f64>,
@@ -125,11 +129,22 @@ struct TimedEvent {
     place: NodeOrInside,
 }
 
+/// A crossing in a part of a step.
+#[derive(Clone, Copy)]
+struct FoundCrossing {
+    function: usize,
+    direction: Direction,
+    /// Its time on the polynomial.
+    t: f64,
+}
+
 /// An event to come.
 struct NextEvent<V> {
     number: usize,
     /// The state where it happens.
     at: State<V>,
+    /// The crossing that it is, if it is one.
+    crossing: Option<FoundCrossing>,
 }
 
 impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
@@ -148,12 +163,12 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let functions: Vec<_> = crossings
             .map(|(number, direction, value)| CrossingRule { number, direction, value: value.clone() })
             .collect();
-        let signs = functions.iter().map(|rule| (rule.value)(start)).collect();
-        let mut following = Self {
+        Self {
             system,
             watch: SectionWatch::new(functions.iter().map(|rule| &rule.value), start),
             functions,
-            signs,
+            sides: Vec::new(),
+            found: Vec::new(),
             rules,
             side: SideStepper::default(),
             end: end.filter(|_| H::PROPERTIES.is_clocked),
@@ -171,9 +186,12 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             happened: Vec::new(),
             is_over: false,
             has_ended_early: false,
-        };
-        following.face(start);
-        following
+        }
+    }
+
+    /// The length of the last step, before an event or the end of the run shortened it.
+    pub(crate) fn whole(&self) -> f64 {
+        self.whole
     }
 
     /// The start of the last step.
@@ -181,10 +199,31 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         &self.before
     }
 
+    /// Whether a run that resumes at this node and time is before its end.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] if it is not.
+    pub(crate) fn check_resumed(&self, node: u64, t: f64) -> Result<(), ConfigError> {
+        match self.end {
+            Some(end) if node > 0 && self.is_past(t) => {
+                let [t, end] = [t, end].map(ShortestDecimal);
+                wrong(format!(
+                    "the checkpoint of this run by a clock is at t = {t}, and its end is to be t = {end}: \
+                     give a later end, or remove the file to start again"
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Acts at the start, at whose time there may be events.
-    pub(crate) fn begin(&mut self, state: &mut State<H::Vector>) {
+    ///
+    /// # Errors
+    /// [`Error::Step`] where an action leads to no state of the system.
+    pub(crate) fn begin(&mut self, state: &mut State<H::Vector>) -> Result<(), Error> {
         self.happened.clear();
-        self.act_at_node(0, state);
+        self.act_at_node(0, state).map_err(|cause| StepError { step: 0, t: state.t, h: 0.0, cause })?;
+        Ok(())
     }
 
     /// Whether the path is on or past the end of a run by a clock.
@@ -207,7 +246,11 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         (self.kept, self.happened) = (0, Vec::new());
         let is_own = H::PROPERTIES.is_clocked;
         // The time at the end is that which the clock will have, to the last bit.
-        let h = if is_own && !dw.is_empty() { stepper.upcoming(state)? - state.t } else { size };
+        let numbered = |error: StepError| StepError { step: interval.step, ..error };
+        let h = match is_own && !dw.is_empty() {
+            true => stepper.upcoming(state).map_err(numbered)? - state.t,
+            false => size,
+        };
         let interval = match is_own {
             // The number of the step, and its own time.
             true => Interval { start: state.t, h, step: interval.step },
@@ -216,14 +259,15 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let mut noise = StepNoise { noise, interval, h, is_own };
         self.draw(&mut noise, size, dw)?;
         let exchanged = stepper.account().clone();
-        let info = stepper.step(state, dw)?;
+        let info = stepper.step(state, dw).map_err(numbered)?;
         if is_own {
             noise.h = state.t - self.before.t;
         }
         self.whole = noise.h;
-        let outcome = self.divide(stepper, exchanged, state, &mut noise, dw);
+        let outcome = self.divide(stepper, &exchanged, state, &mut noise, dw);
         if outcome.is_err() {
             copy_state(state, &self.before);
+            stepper.set_exchanged(exchanged);
         }
         outcome.map(|()| info)
     }
@@ -250,7 +294,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     fn divide<N: Noise, C: StateSum<f64>>(
         &mut self,
         stepper: &mut Stepper<'a, H, E, C>,
-        exchanged: Exchanged,
+        exchanged: &Exchanged,
         state: &mut State<H::Vector>,
         noise: &mut StepNoise<'_, N>,
         dw: &mut [f64],
@@ -264,7 +308,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         }
         let last = state.t;
         while let Some(event) = self.event_in(stepper, noise, [&from, state], is_whole, dw)? {
-            let NextEvent { number, at } = event;
+            let NextEvent { number, at, crossing } = event;
             // An event again without any time in between would happen for ever.
             if self.last == Some((number, at.t)) || self.happened.len() == MOST_EVENTS {
                 return Err(self.too_many(&from, noise));
@@ -272,11 +316,11 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             self.last = Some((number, at.t));
             self.increments(noise, [from.t, at.t], dw)?;
             self.keep_piece([&from, &at], dw, false);
-            from = self.act(number, at);
+            from = self.act(number, at.clone()).map_err(|cause| self.failed(noise, cause))?;
             if self.is_over {
                 break;
             }
-            self.face(&from);
+            self.set_sides(crossing, [&at, &from]);
             is_whole = false;
             self.part(noise, &from, last, dw, state)?;
         }
@@ -287,14 +331,14 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             self.is_over = self.is_past(last);
         }
         if !is_whole && Stepper::<H, E, C>::MAY_EXCHANGE {
-            self.account_for_pieces(stepper, exchanged)?;
+            self.account_for_pieces(stepper, exchanged.clone())?;
         }
         // All that drove the step up to here.
         if !is_whole {
             self.increments(noise, [self.before.t, state.t], dw)?;
         }
         self.from = Some(from);
-        self.act_at_node(noise.interval.step + 1, state);
+        self.act_at_node(noise.interval.step + 1, state).map_err(|cause| self.failed(noise, cause))?;
         Ok(())
     }
 
@@ -344,6 +388,10 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
 
     /// Keeps a part of the step.
     fn keep_piece(&mut self, [from, to]: [&State<H::Vector>; 2], dw: &[f64], is_whole: bool) {
+        // An event at the start of a step, or at the same time as another one.
+        if from.t == to.t && !is_whole {
+            return;
+        }
         match self.pieces.get_mut(self.kept) {
             Some(piece) => {
                 copy_state(&mut piece.from, from);
@@ -361,7 +409,12 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
 
     fn too_many<N>(&self, at: &State<H::Vector>, noise: &StepNoise<'_, N>) -> Error {
         let cause = StepFailure::TooManyEvents { t: at.t, events: self.happened.len() };
-        StepError { step: noise.interval.step, t: self.before.t, h: noise.h, cause }.into()
+        self.failed(noise, cause).into()
+    }
+
+    /// The error of the step.
+    fn failed<N>(&self, noise: &StepNoise<'_, N>, cause: StepFailure) -> StepError {
+        StepError { step: noise.interval.step, t: self.before.t, h: noise.h, cause }
     }
 
     /// A time as a fraction of the step.
@@ -380,6 +433,10 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             return Ok(());
         }
         let part = times.map(|t| self.fraction(noise, t));
+        if part[0] == part[1] {
+            dw.fill(0.0);
+            return Ok(());
+        }
         noise.within(part, dw)
     }
 
@@ -394,6 +451,10 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     ) -> Result<(), Error> {
         self.increments(noise, [from.t, to], dw)?;
         let (system, h) = (self.system, to - from.t);
+        if h == 0.0 {
+            copy_state(into, from);
+            return Ok(());
+        }
         let step = self.side.step(system, from, h, dw, into);
         step.map_err(|cause| StepError { step: noise.interval.step, t: from.t, h, cause })?;
         into.t = to;
@@ -408,8 +469,11 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         from: &State<H::Vector>,
         to: &State<H::Vector>,
     ) -> Result<Option<NextEvent<H::Vector>>, Error> {
+        self.sides.clear();
+        self.sides.extend_from_slice(self.watch.sides());
+        self.found.clear();
         let crossing = match noise.noise {
-            None => self.first_crossing(from, to)?,
+            None => self.first_crossing(from, to),
             Some(_) => self.first_change(noise, from, to)?,
         };
         let inside = |event: &TimedEvent| {
@@ -425,7 +489,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
                 let mut dw = vec![0.0; self.system.increments(from.q.components().len())];
                 self.part(noise, from, t, &mut dw, &mut at)?;
                 self.past += 1;
-                Ok(Some(NextEvent { number, at }))
+                Ok(Some(NextEvent { number, at, crossing: None }))
             }
             (crossing, None) => Ok(crossing),
         }
@@ -436,28 +500,30 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         &mut self,
         from: &State<H::Vector>,
         to: &State<H::Vector>,
-    ) -> Result<Option<NextEvent<H::Vector>>, Error> {
+    ) -> Option<NextEvent<H::Vector>> {
         if self.functions.is_empty() {
-            return Ok(None);
+            return None;
         }
         let (sign, mut first): (f64, Option<Crossing<H::Vector>>) = (self.sign, None);
-        let Self { functions, watch, dense, .. } = self;
+        let Self { functions, watch, dense, found, .. } = self;
         watch.follow(functions.iter().map(|rule| &rule.value), dense, &mut |crossing| {
-            let wanted = functions[crossing.section].direction;
-            let counts = wanted.is_none_or(|direction| direction == crossing.direction);
-            let is_first = first.as_ref().is_none_or(|first| sign * (crossing.state.t - first.state.t) < 0.0);
+            let Crossing { section: function, direction, ref state } = crossing;
+            found.push(FoundCrossing { function, direction, t: state.t });
+            let counts = functions[function].direction.is_none_or(|wanted| wanted == direction);
+            let is_first = first.as_ref().is_none_or(|first| sign * (state.t - first.state.t) < 0.0);
             if counts && is_first {
                 first = Some(crossing);
             }
         });
-        let Some(Crossing { section, state, .. }) = first else { return Ok(None) };
-        let CrossingRule { number, value, .. } = &self.functions[section];
+        let Crossing { section: function, direction, state } = first?;
+        let CrossingRule { number, value, .. } = &self.functions[function];
         let (number, value) = (*number, value.clone());
-        Ok(Some(NextEvent { number, at: self.put_on(&*value, from, to.t, state) }))
+        let crossing = Some(FoundCrossing { function, direction, t: state.t });
+        Some(NextEvent { number, at: self.put_on(&*value, from, to.t, state), crossing })
     }
 
-    /// The state at which a function is zero, by Newton's method on the length of a side step: by secants,
-    /// from the crossing on the polynomial.
+    /// The state at which a function is zero, by secants in the length of a side step, from the crossing on
+    /// the polynomial.
     fn put_on(
         &mut self,
         value: &dyn Fn(&State<H::Vector>) -> f64,
@@ -505,16 +571,15 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     ) -> Result<Option<NextEvent<H::Vector>>, Error> {
         let (mut first, processes): (Option<NextEvent<H::Vector>>, _) =
             (None, self.system.increments(from.q.components().len()));
-        let mut signs = self.signs.clone();
-        for (place, sign) in signs.iter_mut().enumerate() {
-            let CrossingRule { number, direction: wanted, value } = &self.functions[place];
+        let mut sides = self.sides.clone();
+        for (function, side) in sides.iter_mut().enumerate() {
+            let CrossingRule { number, direction: wanted, value } = &self.functions[function];
             let (number, wanted, value) = (*number, *wanted, value.clone());
-            let (before, after) = (*sign, value(to));
-            if after != 0.0 {
-                *sign = after;
-            }
+            let (sign, after) = (side.sign(), value(to));
+            let before = SignSide::<State<H::Vector>>::on(sign, side.value()).value();
+            *side = if after == 0.0 { SignSide::on(sign, after) } else { SignSide::at(after) };
             let direction = if after > 0.0 { Direction::Rising } else { Direction::Falling };
-            let changes = before * after < 0.0 && wanted.is_none_or(|wanted| wanted == direction);
+            let changes = sign * after < 0.0 && wanted.is_none_or(|wanted| wanted == direction);
             if !changes {
                 continue;
             }
@@ -535,82 +600,126 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             self.part(noise, from, from.t + fraction * (to.t - from.t), &mut dw, &mut at)?;
             let is_first = first.as_ref().is_none_or(|first| self.sign * (at.t - first.at.t) < 0.0);
             if is_first {
-                first = Some(NextEvent { number, at });
+                let crossing = Some(FoundCrossing { function, direction, t: at.t });
+                first = Some(NextEvent { number, at, crossing });
             }
         }
         if first.is_none() {
-            self.signs = signs;
+            for (function, side) in sides.into_iter().enumerate() {
+                self.watch.set_side(function, side);
+            }
         }
         Ok(first)
     }
 
-    /// Does what an event does to a state, and keeps both.
-    fn act(&mut self, number: usize, before: State<H::Vector>) -> State<H::Vector> {
+    /// Does what an event does to a state, and keeps both. An action changes no time, and leads to the
+    /// manifold of the constraints, if there are any.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFiniteInput`] where the state is no number, and the errors of the projection.
+    fn act(
+        &mut self,
+        number: usize,
+        before: State<H::Vector>,
+    ) -> Result<State<H::Vector>, StepFailure> {
         let mut after = before.clone();
         let outcome = (self.rules.0[number].action)(&mut after);
-        // An action changes no time.
         after.t = before.t;
+        if zero_if_finite(after.q.components()) != 0.0 || zero_if_finite(after.p.components()) != 0.0 {
+            return Err(StepFailure::NonFiniteInput);
+        }
+        if after != before {
+            after = projected(self.system, after, true)?;
+        }
         if outcome == AfterEvent::End {
             (self.is_over, self.has_ended_early) = (true, true);
         }
         self.happened.push(Event { event: number, before, after: after.clone() });
-        after
+        Ok(after)
     }
 
     /// Events whose time is that of a node. A clock comes to its end at a node whose number is not known
     /// before.
-    fn act_at_node(&mut self, node: u64, state: &mut State<H::Vector>) {
-        let mut has_acted = false;
+    fn act_at_node(&mut self, node: u64, state: &mut State<H::Vector>) -> Result<(), StepFailure> {
         while let Some(TimedEvent { number, t, place }) = self.times.get(self.past).copied()
             && (place == NodeOrInside::Node(node) || H::PROPERTIES.is_clocked && t == state.t)
             && !(self.is_over && self.has_ended_early)
         {
             self.past += 1;
-            *state = self.act(number, state.clone());
-            has_acted = true;
+            *state = self.act(number, state.clone())?;
+            self.watch.go_on_from(self.functions.iter().map(|rule| &rule.value), state);
         }
-        if has_acted {
-            self.face(state);
+        Ok(())
+    }
+
+    /// Puts the path on the side of each function on which it goes on after an event, between these states.
+    ///
+    /// * A function that is zero at the event because it is the crossing: on the side to which the path moves,
+    ///   or on that behind the crossing if the event changed nothing.
+    /// * Another one: on the side on which the path was, unless the event changed its value.
+    fn set_sides(&mut self, event: Option<FoundCrossing>, states: [&State<H::Vector>; 2]) {
+        for function in 0..self.functions.len() {
+            let value = self.functions[function].value.clone();
+            let values = states.map(|state| value(state));
+            let side = match event {
+                Some(event) if event.function == function => {
+                    self.side_behind(event.direction, &*value, states, values)
+                }
+                _ if values[0] == values[1] => {
+                    SignSide::on(self.sign_at(function, event.map_or(states[0].t, |event| event.t)), values[1])
+                }
+                _ => SignSide::at(values[1]),
+            };
+            self.watch.set_side(function, side);
         }
     }
 
-    /// The side of each crossing on which a path is that goes on from a state: that of the sign of the
-    /// function, or that to which the path moves where the function vanishes up to its rounding.
-    fn face(&mut self, state: &State<H::Vector>) {
-        let values: Vec<f64> = (0..self.functions.len())
-            .map(|place| {
-                let value = self.functions[place].value.clone();
-                self.side_of(&*value, state)
-            })
-            .collect();
-        self.watch.set_sides(&values);
-        self.signs = values;
+    /// The sign of a function at a time in the part of the step that was searched last, before a crossing at
+    /// that time.
+    fn sign_at(&self, function: usize, t: f64) -> f64 {
+        let crossings = || self.found.iter().filter(|crossing| crossing.function == function);
+        let later = crossings().find(|crossing| self.sign * (crossing.t - t) >= 0.0);
+        match (later, crossings().last()) {
+            (Some(later), _) => -later.direction.sign(),
+            (None, Some(last)) => last.direction.sign(),
+            (None, None) => self.sides[function].sign(),
+        }
     }
 
-    fn side_of(&mut self, value: &dyn Fn(&State<H::Vector>) -> f64, state: &State<H::Vector>) -> f64 {
-        let here = value(state);
+    /// The side of a function on which a path goes on from its crossing, between these states with these
+    /// values.
+    fn side_behind(
+        &mut self,
+        direction: Direction,
+        value: &dyn Fn(&State<H::Vector>) -> f64,
+        [before, state]: [&State<H::Vector>; 2],
+        values: [f64; 2],
+    ) -> SignSide<State<H::Vector>> {
+        let here = values[1];
+        if before == state {
+            return SignSide::on(direction.sign(), here);
+        }
         let gradient = self.system.energy_gradient(state);
         let (q, p) = (state.q.components(), state.p.components());
         let mut force = H::Vector::zeros(q.len());
         self.system.force(q, p, state.t, force.components_mut());
-        // As far ahead as half of the digits of the state allow, by the rates alone.
-        let rate = |i: usize| gradient.p.components()[i];
-        let pull = |i: usize| force.components()[i] - gradient.q.components()[i];
-        let slowest = (0..q.len()).map(|i| size_ratio(rate(i), q[i]).max(size_ratio(pull(i), p[i])));
-        let fastest = slowest.fold(0.0, f64::max);
-        let ahead = f64::EPSILON.sqrt() / fastest;
-        if !ahead.is_finite() {
-            return here;
-        }
+        // So far ahead that what moves in the step moves by half of its digits, by the rates alone.
+        let ahead = self.sign * f64::EPSILON.sqrt() * self.whole.abs();
         copy_state(&mut self.room, state);
-        self.room.t += self.sign * ahead;
+        self.room.t += ahead;
         for i in 0..q.len() {
-            self.room.q.components_mut()[i] += self.sign * ahead * rate(i);
-            self.room.p.components_mut()[i] += self.sign * ahead * pull(i);
+            self.room.q.components_mut()[i] += ahead * gradient.p.components()[i];
+            self.room.p.components_mut()[i] += ahead * (force.components()[i] - gradient.q.components()[i]);
         }
         let there = value(&self.room);
-        // A function that changes its sign there is zero up to the error of its crossing.
-        if here * there <= 0.0 { there } else { here }
+        if there.is_nan() {
+            SignSide::at(here)
+        } else if there == here && values[0] == values[1] {
+            // It rests on the section, and would cross it again.
+            SignSide::on(-direction.sign(), here)
+        } else {
+            SignSide::on(sign(there), here)
+        }
     }
 
     /// Looks into the parts of the last step, for recorded times and sections.
@@ -620,11 +729,11 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     pub(crate) fn look<N: Noise, C: StateSum<f64>>(
         &mut self,
         stepper: &Stepper<'a, H, E, C>,
-        step: StepLook<'_, N>,
+        step: StepLook<'_, N, H::Vector>,
         looks: &mut BetweenNodes<'_, '_, H::Vector>,
         recorder: &mut Recorder<H::Vector>,
     ) -> Result<(), Error> {
-        let StepLook { number, noise, dw } = step;
+        let StepLook { number, noise, dw, end } = step;
         let (pieces, number_of_pieces) = (std::mem::take(&mut self.pieces), self.kept);
         let (mut later, mut dense) = (dw.to_vec(), self.dense.clone());
         for (place, piece) in pieces.iter().take(number_of_pieces).enumerate() {
@@ -635,13 +744,16 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             } else {
                 dense.fill_by_rates::<H, E>(self.system, [from, to], to.t - from.t, dw);
             }
-            let part = StepPart { step: number, dw, later: &later, is_last: place + 1 == number_of_pieces };
+            let is_last = place + 1 == number_of_pieces;
+            let ended = Some(end).filter(|_| is_last && self.has_ended_early);
+            let part = StepPart { step: number, dw, later: &later, is_last, end: ended };
             if H::PROPERTIES.is_clocked {
-                self.record_times(noise, piece, &part, recorder)?;
+                self.record_times(noise, piece, &part, end, recorder)?;
             } else {
                 looks.record_times(&dense, &part, recorder);
             }
             let sections = looks.sections();
+            looks.watch.go_on_from(sections.functions(), from);
             looks.find_crossings(&dense, recorder, &mut |crossing| {
                 // By a clock, of the full order of the scheme; with noise on the polynomial.
                 if H::PROPERTIES.is_clocked
@@ -661,7 +773,8 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         &mut self,
         noise: &mut Option<N>,
         StepPiece { from, to, dw, .. }: &StepPiece<H::Vector>,
-        part: &StepPart<'_>,
+        part: &StepPart<'_, H::Vector>,
+        end: &State<H::Vector>,
         recorder: &mut Recorder<H::Vector>,
     ) -> Result<(), Error> {
         while let Some(moment) = recorder.next_inside().filter(|moment| self.sign * (moment.t - to.t) < 0.0) {
@@ -671,9 +784,9 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             self.part(&mut noise, from, moment.t, &mut own, &mut at)?;
             recorder.keep_inside(&at, |process| dw[process] - own[process] + part.later[process]);
         }
-        // A time at the end of a part is that of its node.
-        while let Some(moment) = recorder.next_inside().filter(|moment| moment.t == to.t) {
-            let mut at = to.clone();
+        // A time at the end of the step is that of its node; at an event, of the state after it.
+        while let Some(moment) = recorder.next_inside().filter(|moment| moment.t == to.t && part.is_last) {
+            let mut at = end.clone();
             at.t = moment.t;
             recorder.keep_inside(&at, |process| part.later[process]);
         }
@@ -685,7 +798,6 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let mut past = self.past as u64;
         tape.word(&mut past);
         self.past = usize::try_from(past).unwrap_or(usize::MAX);
-        tape.numbers(&mut self.signs);
         self.watch.pass(tape);
         copy_state(&mut self.before, state);
         tape.flag(&mut self.is_over);
@@ -695,9 +807,4 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         tape.number(&mut t);
         self.last = usize::try_from(number).ok().filter(|_| !t.is_nan()).map(|number| (number, t));
     }
-}
-
-/// How fast a number of this rate changes in its own size; its rate alone where it is zero.
-fn size_ratio(rate: f64, size: f64) -> f64 {
-    if size == 0.0 { 0.0 } else { (rate / size).abs() }
 }

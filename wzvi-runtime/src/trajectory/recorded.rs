@@ -94,6 +94,10 @@ struct Path<V> {
     /// The size of the last step, if it is shorter than the others.
     #[cfg_attr(feature = "serde", serde(default))]
     shorter: Option<f64>,
+    /// The length that the last step had, if an event or the end of a run by a clock cut it: its noise is
+    /// that of the whole step.
+    #[cfg_attr(feature = "serde", serde(default))]
+    uncut: Option<f64>,
     /// The observables at the recorded nodes, by name.
     #[cfg_attr(feature = "serde", serde(default = "Vec::new", with = "crate::ground::loose::lists"))]
     observed: Vec<(String, Vec<f64>)>,
@@ -251,7 +255,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         &self.path.crossings
     }
 
-    /// The events of the run, in the order in which they happened: see [`crate::trajectory::events`].
+    /// The events of the run, in the order in which they happened; the state of the path at the time of an
+    /// event is the one after it. See [`crate::trajectory::events`].
     pub fn events(&self) -> &[Event<V>] {
         &self.path.events
     }

@@ -22,6 +22,13 @@ impl RecordingRequest {
     pub(crate) fn checked(&self, default: u64, grid: &NodeGrid) -> Result<Recording, ConfigError> {
         let every = self.every.unwrap_or(if self.times.is_empty() { default } else { 0 });
         let (times, is_clocked) = (self.times.clone(), grid.is_clocked);
+        if let (true, None, Some(&t)) = (is_clocked, grid.end, times.last()) {
+            let t = ShortestDecimal(t);
+            return wrong(format!(
+                "`record_at` with `steps`, of a clock: no one knows before whether so many steps get to t = {t}; \
+                 write `.until({t})` in place of `.steps(number)`"
+            ));
+        }
         let mut recording = Recording { every, times, is_clocked, ..Recording::default() };
         let mut before = f64::NAN;
         for &t in &self.times {

@@ -27,7 +27,8 @@ use crate::scheme::dense::{DenseOutput, Samples};
 use crate::trajectory::options::{Functions, Observable};
 use root::lowest;
 pub(crate) use root::root;
-use side::{SignChange, SignSide, crossing_of_chord, sign};
+pub(crate) use side::{SignSide, sign};
+use side::{SignChange, crossing_of_chord};
 
 /// The fewest parts of a step at whose ends the function is evaluated.
 const LEAST_PARTS: usize = 4;
@@ -95,10 +96,31 @@ impl<V: Vector> SectionWatch<V> {
         self.sides.extend(functions.map(|value| SignSide::at(value(start))));
     }
 
-    /// Puts the path on the sides that these values have.
-    pub(crate) fn set_sides(&mut self, values: &[f64]) {
-        self.sides.clear();
-        self.sides.extend(values.iter().map(|&value| SignSide::at(value)));
+    /// The side of each function on which the path is.
+    pub(crate) fn sides(&self) -> &[SignSide<State<V>>] {
+        &self.sides
+    }
+
+    /// Puts the path on a side of the function with this number.
+    pub(crate) fn set_side(&mut self, number: usize, side: SignSide<State<V>>) {
+        self.sides[number] = side;
+    }
+
+    /// Goes on from a state to which something else than a step may have moved the path: it crosses nothing
+    /// on the way there.
+    pub(crate) fn go_on_from<'f, 'a: 'f>(
+        &mut self,
+        functions: impl Iterator<Item = &'f Observable<'a, V>>,
+        state: &State<V>,
+    ) where
+        V: 'f,
+    {
+        for (side, value) in self.sides.iter_mut().zip(functions) {
+            let value = value(state);
+            if value != side.value {
+                *side = SignSide::at(value);
+            }
+        }
     }
 
     /// The crossings of a step, function by function, each in the order of time; the number of the function

@@ -628,7 +628,7 @@ pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<Prepa
 
 /// Zero times a finite number is zero, and NaN otherwise.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn zero_if_finite(list: &[f64]) -> f64 {
+pub(crate) fn zero_if_finite(list: &[f64]) -> f64 {
     list.iter().fold(0.0, |zeros, x| zeros + x * 0.0)
 }
 

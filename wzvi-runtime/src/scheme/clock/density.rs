@@ -12,7 +12,7 @@
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-use super::evaluation::{ClockOf, is_positive};
+use super::evaluation::{SystemIn, is_positive};
 use super::{Clock, ClockReading, Clocked, SelfAdjoint, text};
 use crate::algebra::memory::{MemoryRequest, SolverReport, StepMemory};
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
@@ -105,7 +105,7 @@ where
         memory: &mut Self::Memory<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let clock = ClockOf { system, parameters: S::varied(parameters) };
+        let clock = SystemIn { system, parameters: S::varied(parameters) };
         advance::<H, E, S>(&clock, [1.0], at.lists().shared(), memory)
     }
 
@@ -130,7 +130,7 @@ where
         eps: f64,
         memory: &Self::Memory<f64>,
     ) -> Result<f64, StepFailure> {
-        let clock = ClockOf { system, parameters };
+        let clock = SystemIn { system, parameters };
         let (q, p) = (state.q.components(), state.p.components());
         let ClockState { density, rate, t, lost } = memory.state(&clock, state.t, q, p)?;
         let h = eps / positive(density + eps * 0.5 * rate)?;
@@ -187,7 +187,7 @@ where
         memory: &mut Self::Memory<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let clock = ClockOf { system, parameters: S::varied(parameters) };
+        let clock = SystemIn { system, parameters: S::varied(parameters) };
         advance::<H, E, S>(&clock, weights.iter().copied(), at.lists().shared(), memory)
     }
 
@@ -307,7 +307,7 @@ impl<N: Constant<Constant = N>, M: StepMemory, P, C: StateSum<N>> ClockMemory<N,
     /// [`StepFailure::ClockNotPositive`]
     fn state<H: Clock>(
         &self,
-        clock: &ClockOf<'_, H, N>,
+        clock: &SystemIn<'_, H, N>,
         t: N,
         q: &[N],
         p: &[N],
@@ -349,7 +349,7 @@ impl<N: Constant<Constant = N>, M: StepMemory, P, C: StateSum<N>> ClockMemory<N,
 /// # Errors
 /// [`StepFailure::ClockNotPositive`], [`StepFailure::ClockTooCoarse`], and the errors of the steps.
 fn advance<H, E, S: Scalar>(
-    clock: &ClockOf<'_, H, S::Constant>,
+    clock: &SystemIn<'_, H, S::Constant>,
     weights: impl IntoIterator<Item = f64, IntoIter: ExactSizeIterator>,
     StepArguments { t, h: eps, q, p, dw }: StepArguments<'_, S, S::Constant>,
     memory: &mut ClockMemoryOf<H, E, S::Constant>,
@@ -390,7 +390,7 @@ where
 
 /// One step of the symmetric scheme, over the time that the clock has for `eps`.
 fn substep<H, E, N: Constant<Constant = N>>(
-    clock: &ClockOf<'_, H, N>,
+    clock: &SystemIn<'_, H, N>,
     eps: N,
     number: usize,
     ClockState { density, rate, t, lost }: ClockState<N>,
@@ -415,7 +415,7 @@ where
 
 /// Makes the data of a step those for its length; `before` was that of the last one.
 fn prepare_step<H, E, N: Constant<Constant = N>>(
-    clock: &ClockOf<'_, H, N>,
+    clock: &SystemIn<'_, H, N>,
     before: N,
     h: N,
     number: usize,
@@ -424,7 +424,7 @@ fn prepare_step<H, E, N: Constant<Constant = N>>(
 where
     H: Elements + Clock + Discretized<E>,
 {
-    let ClockOf { system, parameters } = *clock;
+    let SystemIn { system, parameters } = *clock;
     let lift = |number: usize, value: f64| N::parameter(parameters, number, value);
     let refused = |_| StepFailure::NonFinite;
     if prepared.len() <= number {

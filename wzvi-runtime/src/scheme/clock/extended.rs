@@ -26,6 +26,7 @@ pub use logarithmic::{LogarithmicSplitting, SplittingNode};
 pub use pair::{ExplicitPair, PairNode};
 
 use super::ClockReading;
+use super::evaluation::SystemIn;
 use crate::algebra::memory::{MemoryRequest, SolverReport, StepMemory};
 use crate::algebra::scalar::{Constant, Scalar};
 use crate::algebra::shape::Dynamic;
@@ -33,38 +34,9 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state_sum::{CompensatedSum, FixedCompensatedSum, StateSum as _};
 use crate::error::{ConfigError, StepFailure, wrong};
 use crate::ground::numbers::{Numbers, Tape, numbers};
-use crate::scheme::elements::{Elements, EvaluationPoint, PairColumns, Partials, Role, slopes};
+use crate::scheme::elements::{Elements, Role};
 use crate::scheme::plan::{KeptEnergy, NoiseClass};
 use crate::scheme::system::{LiftParameter, Properties, StepArguments, check_lengths, varied_without_lists};
-
-/// A system and its parameters, which may have derivatives.
-#[derive(Debug)]
-struct SystemIn<'a, H, N> {
-    system: &'a H,
-    /// All parameters, where they have derivatives; else none.
-    parameters: &'a [N],
-}
-
-impl<H: Elements, N: Constant<Constant = N>> SystemIn<'_, H, N> {
-    fn value(&self, role: Role, t: N, [q, p]: [&[N]; 2]) -> N {
-        self.system.value(role, 1.0, &EvaluationPoint::new([q, p], t, self.parameters, &[]))
-    }
-
-    /// The derivatives of a role by coordinates. Roles here read one half of the phase space each, or are a
-    /// sum of such.
-    fn by_q(&self, role: Role, t: N, at: [&[N]; 2], into: &mut [N], columns: &mut PairColumns) {
-        into.fill(N::from_f64(0.0));
-        let at = EvaluationPoint::new(at, t, self.parameters, &[]);
-        slopes(self.system, role.times(1.0), &at, Partials::BY_COORDINATES, into, &mut [], columns);
-    }
-
-    /// The derivatives of a role by momenta, likewise.
-    fn by_p(&self, role: Role, t: N, at: [&[N]; 2], into: &mut [N], columns: &mut PairColumns) {
-        into.fill(N::from_f64(0.0));
-        let at = EvaluationPoint::new(at, t, self.parameters, &[]);
-        slopes(self.system, role.times(1.0), &at, Partials::BY_MOMENTA, &mut [], into, columns);
-    }
-}
 
 /// Time and its momentum at a node.
 #[derive(Clone, Copy, Debug, Default)]

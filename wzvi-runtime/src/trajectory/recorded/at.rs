@@ -44,8 +44,8 @@ pub struct States<'p, H: Discretized<E>, E, N = NoNoise> {
 
 impl<V: Vector, E> Trajectory<V, E> {
     /// The state at time `t` (time units of the Hamiltonian), between the first and the last node, without
-    /// noise: that of a node, or that of a step of the scheme from the node before to `t`. Its error is of
-    /// the order of the scheme.
+    /// noise: that of a node, or that of a step of the scheme from the node or event before to `t`. Its error
+    /// is of the order of the scheme. At the time of an event it is the state after it.
     ///
     /// ```ignore
     /// let path = pendulum.simulate::<Verlet>(0.01).start(start).until(10.0).run()?;
@@ -145,12 +145,14 @@ impl<'p, H: Discretized<E>, E, N: Noise> States<'p, H, E, N> {
         let index = path.index(&grid, node).ok_or(unrecorded)?;
         let mut state = path.states()[index].clone();
         if place == Some(NodeOrInside::Node(node)) {
-            return Ok(state);
+            return Ok(path.after_events(&state, state.t).clone());
         }
         let (interval, size) = (Interval { step: node, ..grid.first() }, grid.size(node));
         let from = path.after_events(&state, t);
-        if !std::ptr::eq(from, &raw const state) {
-            return self.side_step(from, StepOfPath { interval, h: size, is_own: false }, t);
+        let uncut = path.path.uncut.filter(|_| node + 1 == grid.steps);
+        if uncut.is_some() || !std::ptr::eq(from, &raw const state) {
+            let h = uncut.unwrap_or(size);
+            return self.side_step(from, StepOfPath { interval, h, is_own: false }, t);
         }
         let mut noise = self.inside(index, &interval, size)?;
         let halvings = Retry::halving(path.iterations().halvings);
@@ -182,6 +184,7 @@ impl<H: Discretized<E>, E, N: Noise> States<'_, H, E, N> {
             return Ok(path.last().clone());
         };
         let node = states.iter().find(|state| state.t == begin).ok_or_else(unrecorded)?;
+        let h = path.path.uncut.filter(|_| step + 1 == intervals.len()).unwrap_or(h);
         let interval = Interval { start: begin, h, step: step as u64 };
         self.side_step(path.after_events(node, t), StepOfPath { interval, h, is_own: true }, t)
     }

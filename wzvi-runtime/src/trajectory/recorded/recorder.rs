@@ -65,6 +65,7 @@ impl<V: Vector> Recorder<V> {
             last,
             chosen: 0,
             shorter: None,
+            uncut: None,
             observed: Vec::new(),
             crossings: Vec::new(),
             events: Vec::new(),
@@ -117,6 +118,11 @@ impl<V: Vector> Recorder<V> {
             self.keep(state);
         }
         due
+    }
+
+    /// An event or the end of the run cut the last step, which had this length.
+    pub(crate) fn cut(&mut self, length: f64) {
+        self.path.uncut = Some(length);
     }
 
     /// The next time inside a step that is to be recorded.

@@ -10,7 +10,6 @@
 pub(crate) struct SignSide<P> {
     /// The value at the last point.
     pub(super) value: f64,
-    /// The sign of the last value that was not zero; 0 before there is one, and after NaN.
     pub(super) sign: f64,
     /// The first point since then at which the value was zero.
     pub(super) touched: Option<P>,
@@ -29,6 +28,18 @@ impl<P> SignSide<P> {
     pub(crate) fn at(value: f64) -> Self {
         let sign = if value.is_nan() { 0.0 } else { sign(value) };
         Self { value, sign, touched: None }
+    }
+
+    /// A path on the side of this sign, where the function has this value: one of another sign is zero up to
+    /// rounding.
+    pub(crate) fn on(sign: f64, value: f64) -> Self {
+        let is_there = sign * value > 0.0 || sign == 0.0;
+        Self::at(if is_there { value } else { f64::MIN_POSITIVE.copysign(sign) })
+    }
+
+    /// The sign of the last value that was not zero; 0 before there is one, and after NaN.
+    pub(crate) fn sign(&self) -> f64 {
+        self.sign
     }
 
     /// The value at the last point.
@@ -58,7 +69,7 @@ impl<P> SignSide<P> {
 }
 
 /// -1, 0 or 1; NaN of NaN.
-pub(super) fn sign(value: f64) -> f64 {
+pub(crate) fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
 }
 

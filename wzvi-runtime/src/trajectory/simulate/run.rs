@@ -86,6 +86,9 @@ where
         let mut run = RunState { observer, account, looks: between() };
         let keeper = keeping.open_path(&mut path, &mut run, &grid, retry, &sections, described)?;
         let mut first = keeper.first();
+        if let Some(following) = &path.stepper.following {
+            following.check_resumed(first, path.state.t)?;
+        }
         if let Some(looks) = &mut run.looks {
             looks.arrive(first, path.state);
         }
@@ -104,7 +107,7 @@ where
                 break None;
             }
             if first == 0 {
-                nodes.begin(&mut path);
+                nodes.begin(&mut path)?;
                 nodes.run.show(path.state, 0, path.dw);
             }
             if path.stepper.is_over() {
@@ -224,19 +227,20 @@ impl<V: Vector, O: Observer<V>> NodeHandler<'_, '_, '_, O, V> {
     }
 
     /// Acts on the start, where there are events at its time.
-    fn begin<H, E, N, C>(&mut self, path: &mut OnePath<'_, '_, H, E, N, C>)
+    fn begin<H, E, N, C>(&mut self, path: &mut OnePath<'_, '_, H, E, N, C>) -> Result<(), Error>
     where
         H: Discretized<E, Vector = V>,
         C: StateSum<f64>,
     {
         if let Some(following) = &mut path.stepper.following {
-            following.begin(path.state);
+            following.begin(path.state)?;
             let recorder = &mut self.run.account.recorder;
             following.happened.drain(..).for_each(|event| recorder.happen(event));
             if following.is_over {
                 (self.grid.steps, self.grid.end, self.grid.shorter) = (0, Some(path.state.t), None);
             }
         }
+        Ok(())
     }
 
     /// Keeps what happened in the step that ended at a node; whether the run is over there.
@@ -260,6 +264,9 @@ impl<V: Vector, O: Observer<V>> NodeHandler<'_, '_, '_, O, V> {
         following.happened.drain(..).for_each(|event| recorder.happen(event));
         if following.is_over {
             (self.grid.steps, self.grid.end) = (node, Some(t));
+            if following.whole() != length {
+                recorder.cut(following.whole());
+            }
             let is_shorter = !H::PROPERTIES.is_clocked && length != path.stepper.size();
             self.grid.shorter = self.grid.shorter.filter(|_| !is_shorter).or(is_shorter.then_some(length));
         }
@@ -297,14 +304,14 @@ impl<V: Vector, O: Observer<V>> NodeHandler<'_, '_, '_, O, V> {
         let (step, [_, halvings], recorder) = (node - 1, account.last, &mut account.recorder);
         let Subdivision { stepper: taken, following, .. } = &mut **stepper;
         if let Some(following) = following {
-            following.look(taken, StepLook { number: step, noise, dw }, looks, recorder)?;
+            following.look(taken, StepLook { number: step, noise, dw, end: state }, looks, recorder)?;
             looks.arrive(node, state);
             return Ok(());
         }
         if looks.wants(node, recorder.next_inside()) {
             if halvings == 0 {
                 stepper.stepper.fill([&looks.before, state], dw, dense);
-                looks.search(dense, &StepPart { step, dw, later: &[], is_last: true }, recorder);
+                looks.search(dense, &StepPart { step, dw, later: &[], is_last: true, end: None }, recorder);
             } else {
                 let (before, mut later, mut parts) = (looks.before.clone(), dw.to_vec(), 1_u64 << halvings);
                 let interval = Interval { step, ..*first };
@@ -312,7 +319,8 @@ impl<V: Vector, O: Observer<V>> NodeHandler<'_, '_, '_, O, V> {
                     later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
                     parts -= 1;
                     stepper.fill(nodes, dw, dense);
-                    looks.search(dense, &StepPart { step, dw, later: &later, is_last: parts == 0 }, recorder);
+                    let part = StepPart { step, dw, later: &later, is_last: parts == 0, end: None };
+                    looks.search(dense, &part, recorder);
                 })?;
             }
         }

@@ -12,9 +12,9 @@
 //! for the stages as for any other. Steps are equal in `τ`, so that the stages start from those of the step
 //! before.
 
-use super::super::evaluation::ClockOf;
+use super::super::evaluation::SystemIn;
 use super::super::{Extended, Extends, text};
-use super::{ExtendedMemory, ExtendedState, ExtendedStep, SystemIn, advance, prepare, properties};
+use super::{ExtendedMemory, ExtendedState, ExtendedStep, advance, prepare, properties};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::{MemoryRequest, SolverReport, StepMemory};
 use crate::algebra::scalar::{
@@ -149,8 +149,7 @@ impl<H: Field + Extends, N: Constant<Constant = N>, const S: usize> ExtendedStep
         StageMemory { step, prepared, stage: [stage_q, stage_p] }: &mut Self::Memory,
     ) -> Result<Effort, StepFailure> {
         let (system, degrees) = (ExtendedSystem(given.system), q.len());
-        let clock = ClockOf { system: given.system, parameters: given.parameters };
-        clock.period(time.t, q, p)?;
+        given.period(time.t, q, p)?;
         let constants = match prepared {
             Some((size, constants)) if size.is_identical(eps) => constants,
             _ => {
@@ -178,7 +177,7 @@ impl<H: Field + Extends, N: Constant<Constant = N>, const S: usize> ExtendedStep
         let mut duration = N::from_f64(0.0);
         for (i, weight) in constants.weights().iter().enumerate() {
             step.read_stage(i, [&mut *stage_q, stage_p]);
-            duration = duration + clock.period(time.t, stage_q, stage_p)? * *weight;
+            duration = duration + given.period(time.t, stage_q, stage_p)? * *weight;
         }
         time.move_time(eps * duration);
         Ok(effort)

@@ -16,9 +16,9 @@
 
 use std::marker::PhantomData;
 
-use super::super::evaluation::is_positive;
+use super::super::evaluation::{SystemIn, is_positive};
 use super::super::{Attractive, ClockReading, Logarithmic, text};
-use super::{ExtendedMemory, ExtendedState, ExtendedStep, SystemIn, add, advance, prepare, properties};
+use super::{ExtendedMemory, ExtendedState, ExtendedStep, add, advance, prepare, properties};
 use crate::algebra::memory::step_memory;
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;

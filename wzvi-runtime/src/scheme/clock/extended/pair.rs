@@ -19,9 +19,9 @@
 
 use std::marker::PhantomData;
 
-use super::super::evaluation::{ClockOf, is_positive};
+use super::super::evaluation::{SystemIn, is_positive};
 use super::super::{ClockReading, Extended, Extends, text};
-use super::{ExtendedMemory, ExtendedState, ExtendedStep, SystemIn, add, advance, prepare, properties};
+use super::{ExtendedMemory, ExtendedState, ExtendedStep, add, advance, prepare, properties};
 use crate::algebra::memory::step_memory;
 use crate::algebra::scalar::{ComputesWith, Constant, Scalar};
 use crate::algebra::solve::Effort;
@@ -199,8 +199,7 @@ impl<N: Constant<Constant = N>> PairNode<N> {
     ) -> Result<(), StepFailure> {
         let zero = N::from_f64(0.0);
         self.place.clear();
-        let clock = ClockOf { system: system.system, parameters: system.parameters };
-        self.period = clock.period(zero, q, &self.zeros)?;
+        self.period = system.period(zero, q, &self.zeros)?;
         system.by_q(Role::Clock, zero, [q, &self.zeros], &mut self.by_period, &mut self.columns);
         Ok(())
     }

@@ -3,7 +3,8 @@
 use super::gauss::ExtendedGauss;
 use super::logarithmic::SplittingWord;
 use super::pair::PairWord;
-use super::{ExtendedMemory, ExtendedState, ExtendedStep, SystemIn, TimeNode, advance};
+use super::super::evaluation::SystemIn;
+use super::{ExtendedMemory, ExtendedState, ExtendedStep, TimeNode, advance};
 use crate::algebra::scalar::{Constant, Dual, Number, Reals, Scalar};
 use crate::algebra::shape::Fixed;
 use crate::algebra::state_sum::CompensatedSum;

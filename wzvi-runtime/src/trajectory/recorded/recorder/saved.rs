@@ -31,6 +31,7 @@ impl<V: Vector> Recorder<V> {
             exchanged: _,
             heats: _,
             is_accounted: _,
+            uncut: _,
             gained: _,
         } = path;
         // The watch of the run counts by itself.
