@@ -140,6 +140,8 @@ fn kicks_make_the_standard_map() {
         run = run.on_time(f64::from(kick), move |s| s.p[0] += k * s.q[0].sin());
     }
     let path = run.run().unwrap();
+    let free = Rotor.simulate::<Verlet>(0.3).start(State::new([1.0], [0.2])).until(f64::from(kicks));
+    assert!(path.times().eq(free.run().unwrap().times()));
     let (mut q, mut p) = (1.0_f64, 0.2);
     for event in path.events() {
         // Regular motion: errors grow with the number of kicks, not exponentially.
@@ -195,7 +197,8 @@ fn events_divide_the_increments_of_a_step() {
     let (free, path) =
         (run().run().unwrap(), run().on_time(0.33, |_| ()).on(|s| s.p[0] - 0.1, |_| ()).run().unwrap());
     // Each change of sign between nodes, once.
-    let changes = free.states().windows(2).filter(|ends| (ends[0].p[0] < 0.1) != (ends[1].p[0] < 0.1)).count();
+    let changes =
+        free.states().windows(2).filter(|ends| (ends[0].p[0] < 0.1) != (ends[1].p[0] < 0.1)).count();
     assert!(changes > 2 && path.events().len() == changes + 1, "{changes} {}", path.events().len());
     for (free, path) in free.iter().zip(path.iter()) {
         // 125 roundings of numbers below 4.
@@ -382,7 +385,11 @@ fn events_that_change_nothing_count_crossings() {
         // A side step from each event: a few units in the last place for each.
         for (number, event) in counted.events().iter().enumerate() {
             let t = (quarter(1.0) * (2 * number + 1) as f64).copysign(h);
-            assert!((event.before.t - t).abs() < 1e-14 * (number + 1) as f64 * 4.0, "{h}: {} {t}", event.before.t);
+            assert!(
+                (event.before.t - t).abs() < 1e-14 * (number + 1) as f64 * 4.0,
+                "{h}: {} {t}",
+                event.before.t
+            );
         }
         let crossings = (50.0 / quarter(1.0) + 0.5) as usize;
         assert_eq!((free.crossings().len(), counted.events().len()), (crossings, crossings));
@@ -420,4 +427,29 @@ fn a_step_that_an_event_ends_keeps_its_noise() {
         assert!((states.state(t).unwrap().p[0] - p).abs() < 1e-14, "{t}");
     }
     assert!((path.last().p[0] - 0.7 * path.wiener(0).last().unwrap()).abs() < 1e-14);
+}
+
+/// A kick across a rod is what its component along the motion is: the rod takes the rest.
+#[test]
+fn events_lead_to_the_manifold() {
+    #[hamiltonian(
+        drift = |q: [f64; 2], p: [f64; 2]| 0.5 * (p[0] * p[0] + p[1] * p[1]) + q[1],
+        constraint = [|[x, y]| 0.5 * (x * x + y * y - 1.0)],
+        embedding = Rattle,
+    )]
+    struct Rod;
+    let run = Rod.simulate::<Rattle>(0.05).start(State::new([0.6, -0.8], [0.0, 0.0])).until(2.0);
+    let run = run.on_time(0.52, |s| {
+        s.p[0] += 3.0;
+        s.p[1] += 4.0;
+    });
+    let path = run.run().unwrap();
+    let (before, after) = (&path.events()[0].before, &path.events()[0].after);
+    let tangent = [-after.q[1], after.q[0]];
+    let along = |p: [f64; 2]| p[0] * tangent[0] + p[1] * tangent[1];
+    let gained = along([after.p[0], after.p[1]]) - along([before.p[0], before.p[1]]);
+    assert!((gained - along([3.0, 4.0])).abs() < 1e-14);
+    assert!((after.p[0] * after.q[0] + after.p[1] * after.q[1]).abs() < 1e-14);
+    assert_eq!(after.q, before.q);
+    assert!(path.iter().all(|state| (state.q[0].hypot(state.q[1]) - 1.0).abs() < 1e-14));
 }

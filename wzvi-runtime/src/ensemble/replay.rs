@@ -84,7 +84,11 @@ fn follow<'j, H: Discretized<E>, E, T: StepPaths<'j, H, E, 2>>(
             let mut later = group.increments_of(lane, node - 1).to_vec();
             group.look_inside(lane, node, &reached, &mut dense, &mut |dense, dw, is_last| {
                 later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
-                looks.search(dense, &StepPart { step: node - 1, dw, later: &later, is_last, end: None }, &mut recorder);
+                looks.search(
+                    dense,
+                    &StepPart { step: node - 1, dw, later: &later, is_last, end: None },
+                    &mut recorder,
+                );
             })?;
         }
         reached.clone_from(group.state_at(lane, node));

@@ -84,7 +84,12 @@ impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
     }
 
     /// Looks into a step, or a part of it.
-    pub(crate) fn search(&mut self, dense: &DenseOutput<V>, part: &StepPart<'_, V>, recorder: &mut Recorder<V>) {
+    pub(crate) fn search(
+        &mut self,
+        dense: &DenseOutput<V>,
+        part: &StepPart<'_, V>,
+        recorder: &mut Recorder<V>,
+    ) {
         self.record_times(dense, part, recorder);
         self.find_crossings(dense, recorder, &mut |_| {});
     }

@@ -21,9 +21,12 @@
 //! of the path includes the change of energy there. A path by a [clock](crate::scheme::clock) starts its
 //! clock anew at the next node.
 //!
-//! **What counts.** A change of sign, in one direction or in both, as for sections; after its event a path is
-//! on the side to which it moves. With noise only signs at nodes are compared. Several events in one step
-//! happen in the order of time. More than a thousand in one step end the run
+//! **What counts.** A change of sign, in one direction or in both, as for sections. After its event a path is
+//! on the side to which it moves, and behind the crossing if the action changed nothing. For the other events
+//! it stays on the side on which it was, unless the action changed their values. With noise only signs at
+//! nodes and at events are compared. Several events in one step happen in the order of time; a path that is
+//! asked for its state at the time of an event has the one after it. With constraints, an action leads to the
+//! manifold by a projection. More than a thousand in one step end the run
 //! ([`StepFailure::TooManyEvents`](crate::error::StepFailure::TooManyEvents)): a ball that comes to rest
 //! bounces infinitely often in finite time.
 //!

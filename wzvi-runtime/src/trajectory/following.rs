@@ -339,6 +339,10 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         }
         self.from = Some(from);
         self.act_at_node(noise.interval.step + 1, state).map_err(|cause| self.failed(noise, cause))?;
+        // A clock begins anew at a state that it did not lead to.
+        if !self.happened.is_empty() && !self.is_over && !H::PROPERTIES.is_clocked {
+            stepper.go_on_from(state);
+        }
         Ok(())
     }
 
@@ -617,11 +621,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     ///
     /// # Errors
     /// [`StepFailure::NonFiniteInput`] where the state is no number, and the errors of the projection.
-    fn act(
-        &mut self,
-        number: usize,
-        before: State<H::Vector>,
-    ) -> Result<State<H::Vector>, StepFailure> {
+    fn act(&mut self, number: usize, before: State<H::Vector>) -> Result<State<H::Vector>, StepFailure> {
         let mut after = before.clone();
         let outcome = (self.rules.0[number].action)(&mut after);
         after.t = before.t;
@@ -665,9 +665,10 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
                 Some(event) if event.function == function => {
                     self.side_behind(event.direction, &*value, states, values)
                 }
-                _ if values[0] == values[1] => {
-                    SignSide::on(self.sign_at(function, event.map_or(states[0].t, |event| event.t)), values[1])
-                }
+                _ if values[0] == values[1] => SignSide::on(
+                    self.sign_at(function, event.map_or(states[0].t, |event| event.t)),
+                    values[1],
+                ),
                 _ => SignSide::at(values[1]),
             };
             self.watch.set_side(function, side);
@@ -679,7 +680,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     fn sign_at(&self, function: usize, t: f64) -> f64 {
         let crossings = || self.found.iter().filter(|crossing| crossing.function == function);
         let later = crossings().find(|crossing| self.sign * (crossing.t - t) >= 0.0);
-        match (later, crossings().last()) {
+        match (later, crossings().next_back()) {
             (Some(later), _) => -later.direction.sign(),
             (None, Some(last)) => last.direction.sign(),
             (None, None) => self.sides[function].sign(),

@@ -132,14 +132,15 @@ pub struct ClockInterval {
     pub t: f64,
     /// Its length, in the same units; negative in a backward run.
     pub h: f64,
-    /// The density `ρ` of the clock at its start, in 1/time; NaN for schemes without one.
-    #[cfg_attr(feature = "serde", serde(with = "crate::ground::loose::number"))]
-    pub rho: f64,
+    /// The density `ρ` of the clock at its start, in 1/time; `None` for schemes without one.
+    pub rho: Option<f64>,
 }
 
 impl ClockInterval {
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
-        tape.numbers([&mut self.t, &mut self.h, &mut self.rho]);
+        let mut rho = self.rho.unwrap_or(f64::NAN);
+        tape.numbers([&mut self.t, &mut self.h, &mut rho]);
+        self.rho = Some(rho).filter(|rho| !rho.is_nan());
     }
 }
 
@@ -261,8 +262,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         &self.path.events
     }
 
-    /// The steps by a [clock](crate::scheme::clock) that ended at recorded nodes, in order: all steps where
-    /// every node is recorded. The last one ends the run at its time. Empty for constant steps.
+    /// The steps by a [clock](crate::scheme::clock) that ended at recorded nodes, in order: all steps with
+    /// `record_every(1)`, and otherwise those just before the recorded nodes. The last one ends the run at its time. Empty for constant steps.
     pub fn intervals(&self) -> &[ClockInterval] {
         &self.path.intervals
     }

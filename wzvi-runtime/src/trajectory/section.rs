@@ -27,8 +27,8 @@ use crate::scheme::dense::{DenseOutput, Samples};
 use crate::trajectory::options::{Functions, Observable};
 use root::lowest;
 pub(crate) use root::root;
-pub(crate) use side::{SignSide, sign};
 use side::{SignChange, crossing_of_chord};
+pub(crate) use side::{SignSide, sign};
 
 /// The fewest parts of a step at whose ends the function is evaluated.
 const LEAST_PARTS: usize = 4;

@@ -411,6 +411,20 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Stepper<'a, H, E, C> {
         taken
     }
 
+    /// Goes on from a state to which something else moved the path at the end of the last step, whose time it
+    /// keeps: what the step left is no guide.
+    pub(crate) fn go_on_from(&mut self, state: &State<H::Vector>) {
+        self.memory.tell(&MemoryRequest::Forget);
+        self.carry = C::default();
+        if Self::REMEMBERS {
+            copy(&mut self.reached[0], &state.q);
+            copy(&mut self.reached[1], &state.p);
+        }
+        if Self::IS_ITERATED {
+            self.time = self.time.unguided();
+        }
+    }
+
     /// Fills the dense output of the last step, which led from one node to the other with these increments.
     pub(crate) fn fill(&self, nodes: [&State<H::Vector>; 2], dw: &[f64], dense: &mut DenseOutput<H::Vector>) {
         dense.fill::<H, E>((self.system, &self.prepared, &self.memory), nodes, self.length(), dw);

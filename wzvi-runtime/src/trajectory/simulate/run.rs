@@ -258,7 +258,7 @@ impl<V: Vector, O: Observer<V>> NodeHandler<'_, '_, '_, O, V> {
             recorder.keep_interval(ClockInterval {
                 t: following.before().t,
                 h: length,
-                rho: reading.density,
+                rho: Some(reading.density).filter(|rho| !rho.is_nan()),
             });
         }
         following.happened.drain(..).for_each(|event| recorder.happen(event));

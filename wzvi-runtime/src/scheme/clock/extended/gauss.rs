@@ -155,7 +155,10 @@ impl<H: Field + Extends, N: Constant<Constant = N>, const S: usize> ExtendedStep
             _ => {
                 let lift = |number: usize, value: f64| N::parameter(given.parameters, number, value);
                 let made = Gauss::<S>::prepare(&system, &lift, eps).map_err(|_| StepFailure::NonFinite)?;
-                step.tell(&MemoryRequest::Forget);
+                // Stages of another size are no guide; those of a run that resumes are.
+                if prepared.is_some() {
+                    step.tell(&MemoryRequest::Forget);
+                }
                 &mut prepared.insert((eps, made)).1
             }
         };

@@ -1,9 +1,9 @@
 //! Steps are symplectic in `(q, t, p, p_t)`, also where `D` is not 0: by dual numbers.
 
+use super::super::evaluation::SystemIn;
 use super::gauss::ExtendedGauss;
 use super::logarithmic::SplittingWord;
 use super::pair::PairWord;
-use super::super::evaluation::SystemIn;
 use super::{ExtendedMemory, ExtendedState, ExtendedStep, TimeNode, advance};
 use crate::algebra::scalar::{Constant, Dual, Number, Reals, Scalar};
 use crate::algebra::shape::Fixed;
