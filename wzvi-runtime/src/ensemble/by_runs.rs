@@ -15,13 +15,15 @@ use crate::trajectory::simulate::{Partial, Simulation};
 use crate::trajectory::span::NodeGrid;
 
 impl<H: Discretized<E>, E> EnsembleJob<'_, H, E> {
-    /// A path as a run of its own, recorded at these times between its ends.
+    /// A path as a run of its own, recorded at these times between its ends, and `every` so many steps (0 for
+    /// never).
     ///
     /// # Errors
     /// Those that end the ensemble: what ends the path alone is in the result.
     pub(super) fn run_of(
         &self,
         path: u64,
+        every: u64,
         times: impl IntoIterator<Item = f64>,
     ) -> Result<Partial<H::Vector, E>, Error> {
         let (start, system) = (self.start_of(path)?, self.systems.of(path));
@@ -29,7 +31,7 @@ impl<H: Discretized<E>, E> EnsembleJob<'_, H, E> {
         let size = if is_clocked { h.abs() } else { h };
         let mut noise = self.source.path(path);
         let run = Simulation::<H, E>::new(system, size).noise(&mut *noise).plain_sums();
-        let run = run.start(start).record_every(0).record_at(times).threads(1).quiet();
+        let run = run.start(start).record_every(every).record_at(times).threads(1).quiet();
         let run = if let Some(end) = end { run.until(end) } else { run.steps(steps) };
         let run = if self.is_watched { run } else { run.unwatched() };
         let run = run.acting(&self.acting).crossing(&self.crossed.sections);
@@ -65,7 +67,7 @@ impl<H: Discretized<E>, E> EnsembleJob<'_, H, E> {
     fn see_run(&self, path: u64, statistics: &mut Statistics) -> Result<(), Error> {
         let recorded = &self.observed.recorded;
         let between = recorded.get(1..recorded.len().saturating_sub(1)).unwrap_or_default();
-        let (run, error) = self.run_of(path, between.iter().map(|recorded| recorded.t))?;
+        let (run, error) = self.run_of(path, 0, between.iter().map(|recorded| recorded.t))?;
         let mut values = vec![0.0; self.observed.observables.len()];
         let (sign, end) = (self.grid.h.signum(), run.last().t);
         for (node, recorded) in recorded.iter().enumerate() {

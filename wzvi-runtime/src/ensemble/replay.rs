@@ -46,7 +46,7 @@ where
         }
         let recording = recorded.checked(0, &job.grid)?;
         if const { P::ARE_RUNS || H::PROPERTIES.is_clocked } {
-            return job.run_of(path, recorded.times);
+            return job.run_of(path, recorded.every.unwrap_or(0), recorded.times);
         }
         if const { H::PROPERTIES.in_lanes } && job.not_in_lanes().is_none() {
             follow(Group::new(&job, InLanes::<H, E, P, 2>::new(&job)), &job, path, &recording)

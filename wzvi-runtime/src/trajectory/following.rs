@@ -654,8 +654,8 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
 
     /// Puts the path on the side of each function on which it goes on after an event, between these states.
     ///
-    /// * A function that is zero at the event because it is the crossing: on the side to which the path moves,
-    ///   or on that behind the crossing if the event changed nothing.
+    /// * A function that is zero at the event because it is the crossing: on the side to which the path
+    ///   moves, or on that behind the crossing if the event changed nothing.
     /// * Another one: on the side on which the path was, unless the event changed its value.
     fn set_sides(&mut self, event: Option<FoundCrossing>, states: [&State<H::Vector>; 2]) {
         for function in 0..self.functions.len() {

@@ -263,7 +263,8 @@ impl<V: Vector, E> Trajectory<V, E> {
     }
 
     /// The steps by a [clock](crate::scheme::clock) that ended at recorded nodes, in order: all steps with
-    /// `record_every(1)`, and otherwise those just before the recorded nodes. The last one ends the run at its time. Empty for constant steps.
+    /// `record_every(1)`, and otherwise those just before the recorded nodes. The last one ends the run at
+    /// its time. Empty for constant steps.
     pub fn intervals(&self) -> &[ClockInterval] {
         &self.path.intervals
     }
