@@ -81,8 +81,7 @@ fn a_run_ends_at_its_time() {
         Kepler.simulate::<Clocked<Gauss<8>>>(Eps(0.3)).start(pericentre(0.9)).until(0.0).run().unwrap();
     assert_eq!((nowhere.steps(), nowhere.last()), (0, &pericentre(0.9)));
     // Back to the start, where the clock starts elsewhere on the orbit: within the error of both runs.
-    let back =
-        Kepler.simulate::<Clocked<Gauss<8>>>(Eps(0.3)).start(run.last().clone()).until(0.0).run().unwrap();
+    let back = Kepler.simulate::<Clocked<Gauss<8>>>(Eps(0.3)).start(*run.last()).until(0.0).run().unwrap();
     assert!(distance(back.last(), [0.1, 0.0]) < 1e-9, "{:?}", back.last());
 }
 

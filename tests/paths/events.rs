@@ -123,7 +123,7 @@ fn a_terminal_event_ends_the_run_at_its_time() {
         assert!(run.last().q[0].abs() < 1e-15);
         assert_eq!(run.steps(), (quarter / h).ceil() as u64);
         assert_eq!(run.events().len(), 1);
-        let back = Pendulum.simulate::<Gauss<8>>(-h).start(run.last().clone()).until(-10.0);
+        let back = Pendulum.simulate::<Gauss<8>>(-h).start(*run.last()).until(-10.0);
         let back = back.on_towards(Direction::Falling, |s| s.p[0], |_| Terminal).run_partial().unwrap().0;
         assert!((back.last().t - 0.0).abs() < 1e-7 || back.last().t < 0.0, "{}", back.last().t);
     }
@@ -151,7 +151,7 @@ fn kicks_make_the_standard_map() {
     }
     assert_eq!(path.events().len(), kicks as usize);
     // Backwards, with the kicks taken back.
-    let mut back = Rotor.simulate::<Verlet>(-0.3).start(path.last().clone()).until(0.0);
+    let mut back = Rotor.simulate::<Verlet>(-0.3).start(*path.last()).until(0.0);
     for kick in 0..kicks {
         back = back.on_time(f64::from(kick), move |s| s.p[0] -= k * s.q[0].sin());
     }
