@@ -453,3 +453,19 @@ fn events_lead_to_the_manifold() {
     assert_eq!(after.q, before.q);
     assert!(path.iter().all(|state| (state.q[0].hypot(state.q[1]) - 1.0).abs() < 1e-14));
 }
+
+/// At a corner that is a node up to rounding, where something else happens, too, the second wall holds.
+#[test]
+fn walls_hold_at_nodes() {
+    #[hamiltonian(drift = |q: [f64; 2], p: [f64; 2]| 0.5 * (p[0] * p[0] + p[1] * p[1]), embedding = Gauss<4>)]
+    struct Puck;
+    let run = Puck.simulate::<Gauss<4>>(0.125).start(State::new([0.5, 0.25], [-0.75, -0.125])).until(20.0);
+    let run = run.on(|s| s.q[0], |s| s.p[0] *= -1.0).on(|s| s.q[1], |s| s.p[1] *= -1.0).on_time(10.0, |_| ());
+    let run = run.on(|s| s.q[0] - 1.0, |s| s.p[0] *= -1.0).on(|s| s.q[1] - 1.0, |s| s.p[1] *= -1.0);
+    let path = run.on(|s| s.q[0] - s.q[1], |_| ()).run().unwrap();
+    assert!(
+        (path.last().q[0] - 0.5).abs() < 1e-13 && (path.last().q[1] - 0.25).abs() < 1e-13,
+        "{:?}",
+        path.last()
+    );
+}

@@ -355,7 +355,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         is_whole: bool,
         dw: &[f64],
     ) -> Result<Option<NextEvent<H::Vector>>, Error> {
-        if self.rules.is_empty() {
+        if self.rules.is_empty() || from.t == to.t {
             return Ok(None);
         }
         if !self.functions.is_empty() && dw.is_empty() {
@@ -646,8 +646,14 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             && !(self.is_over && self.has_ended_early)
         {
             self.past += 1;
-            *state = self.act(number, state.clone())?;
-            self.watch.go_on_from(self.functions.iter().map(|rule| &rule.value), state);
+            let before = state.clone();
+            *state = self.act(number, before.clone())?;
+            for (function, rule) in self.functions.iter().enumerate() {
+                let [before, after] = [&before, &*state].map(|state| (rule.value)(state));
+                if before != after {
+                    self.watch.set_side(function, SignSide::at(after));
+                }
+            }
         }
         Ok(())
     }
