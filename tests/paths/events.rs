@@ -102,6 +102,24 @@ fn bounces_that_accumulate_end_the_run() {
     assert_eq!(stopped.last(), &stopped.events().last().unwrap().after);
 }
 
+/// Whatever its step, a ball whose bounces accumulate is above the floor up to there, within the rounding of its last
+/// bounces, and the run says that it ends.
+#[test]
+fn no_ball_falls_through_the_floor() {
+    let ball = ball();
+    for (number, kept) in [0.2, 0.27, 0.35, 0.5, 0.61, 0.7].into_iter().enumerate() {
+        for h in [0.01, 0.1, 0.13, 0.2, 0.29, 0.3, 0.42, 0.5] {
+            let start = at_rest(0.2 + 0.16 * number as f64);
+            let run = ball.simulate::<Verlet>(h).start(start).until(12.0);
+            let run = run.on_towards(Direction::Falling, |s| s.q[0], |s| s.p[0] *= -kept);
+            let (path, error) = run.run_partial().unwrap();
+            let Some(wzvi::Error::Step(error)) = error else { panic!("{kept} {h}: {:?}", path.last()) };
+            assert!(matches!(error.cause, StepFailure::TooManyEvents { .. }), "{error}");
+            assert!(path.iter().all(|state| state.q[0] > -1e-12), "{kept} {h}");
+        }
+    }
+}
+
 /// A quarter of the period of a pendulum, `K(sin²(a/2))`, by the arithmetic-geometric mean.
 fn quarter(amplitude: f64) -> f64 {
     let (mut a, mut g) = (1.0_f64, (0.5 * amplitude).cos());
@@ -459,13 +477,18 @@ fn events_lead_to_the_manifold() {
 fn walls_hold_at_nodes() {
     #[hamiltonian(drift = |q: [f64; 2], p: [f64; 2]| 0.5 * (p[0] * p[0] + p[1] * p[1]), embedding = Gauss<4>)]
     struct Puck;
-    let run = Puck.simulate::<Gauss<4>>(0.125).start(State::new([0.5, 0.25], [-0.75, -0.125])).until(20.0);
-    let run = run.on(|s| s.q[0], |s| s.p[0] *= -1.0).on(|s| s.q[1], |s| s.p[1] *= -1.0).on_time(10.0, |_| ());
-    let run = run.on(|s| s.q[0] - 1.0, |s| s.p[0] *= -1.0).on(|s| s.q[1] - 1.0, |s| s.p[1] *= -1.0);
-    let path = run.on(|s| s.q[0] - s.q[1], |_| ()).run().unwrap();
-    assert!(
-        (path.last().q[0] - 0.5).abs() < 1e-13 && (path.last().q[1] - 0.25).abs() < 1e-13,
-        "{:?}",
-        path.last()
-    );
+    for (q, p, end) in [
+        ([0.5, 0.25], [-0.75, -0.125], [0.5, 0.25]),
+        ([0.75, 0.5], [1.125, 1.25], [0.75, 0.5]),
+        ([0.75, 0.5], [0.875, -1.75], [0.25, 0.5]),
+    ] {
+        let run = Puck.simulate::<Gauss<4>>(0.125).start(State::new(q, p)).until(20.0).on_time(10.0, |_| ());
+        let run = run.on(|s| s.q[0], |s| s.p[0] *= -1.0).on(|s| s.q[1], |s| s.p[1] *= -1.0);
+        let run = run.on(|s| s.q[0] - 1.0, |s| s.p[0] *= -1.0).on(|s| s.q[1] - 1.0, |s| s.p[1] *= -1.0);
+        let path = run.on(|s| s.q[0] - s.q[1], |_| ()).run().unwrap();
+        for i in 0..2 {
+            // A few units in the last place for each of some sixty events.
+            assert!((path.last().q[i] - end[i]).abs() < 1e-13, "{:?}", path.last());
+        }
+    }
 }

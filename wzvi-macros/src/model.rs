@@ -223,7 +223,7 @@ pub(crate) struct Temperature {
 /// How a clock is found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum ClockKind {
-    /// It is the user's closure.
+    /// By the closure of the user.
     Function,
     /// From the second derivatives of the drift.
     Curvature,

@@ -19,7 +19,7 @@ impl<H: Discretized<E>, E> EnsembleJob<'_, H, E> {
     /// never).
     ///
     /// # Errors
-    /// Those that end the ensemble: what ends the path alone is in the result.
+    /// The errors that end the ensemble; an error that ends the path alone is in the result.
     pub(super) fn run_of(
         &self,
         path: u64,

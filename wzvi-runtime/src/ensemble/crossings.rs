@@ -63,7 +63,7 @@ impl<V: Vector> PathCrossings<V> {
         statistics: &mut Statistics,
     ) {
         let Self { watch, counts, passed } = self;
-        watch.follow(job.crossed.functions().take(number), dense, &mut |mut crossing| {
+        watch.follow(job.crossed.functions().take(number), dense, &mut |mut crossing, _| {
             if let Some(event) = crossing.section.checked_sub(counts.len()) {
                 if passed[event].is_nan() {
                     passed[event] = crossing.state.t;

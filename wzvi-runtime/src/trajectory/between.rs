@@ -132,7 +132,7 @@ impl<'s, 'a, V: Vector> BetweenNodes<'s, 'a, V> {
         refine: &mut dyn FnMut(&mut Crossing<V>),
     ) {
         let Self { sections, watch, manifold, .. } = self;
-        watch.follow(sections.functions(), dense, &mut |mut crossing| {
+        watch.follow(sections.functions(), dense, &mut |mut crossing, _| {
             if sections.want(&crossing) {
                 refine(&mut crossing);
                 put_on(*manifold, &mut crossing.state);

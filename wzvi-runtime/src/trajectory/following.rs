@@ -23,6 +23,9 @@ use crate::trajectory::steps::StepToTake;
 
 /// The most events in one step.
 const MOST_EVENTS: usize = 1000;
+/// The most crossings that rounding does not tell apart, for each function: at a corner of walls each is
+/// crossed once or twice, and a ball that comes to rest crosses for ever.
+const MOST_IN_CROWD: usize = 4;
 /// The most corrections of the length of a side step that ends at a crossing: the polynomial of the step is
 /// near, and the secant method gains more digits each time.
 const MOST_CORRECTIONS: u32 = 12;
@@ -98,8 +101,8 @@ pub(crate) struct Following<'a, H: Discretized<E>, E> {
     from: Option<State<H::Vector>>,
     room: State<H::Vector>,
     dense: DenseOutput<H::Vector>,
-    /// The number and the time of the last crossing or event.
-    last: Option<(usize, f64)>,
+    /// The last crossings.
+    crowd: Crowd,
     /// The length of the last step, before the end of the run shortened it.
     whole: f64,
     /// The parts of the last step are the first `kept` of these.
@@ -134,8 +137,19 @@ struct TimedEvent {
 struct FoundCrossing {
     function: usize,
     direction: Direction,
-    /// Its time on the polynomial.
+    /// The time of the crossing on the polynomial.
     t: f64,
+    /// What is added to the function there.
+    offset: f64,
+}
+
+/// Crossings that rounding does not tell apart, one after the other: at one time, or of functions that had
+/// not left the zeros of their last crossings.
+#[derive(Clone, Copy)]
+struct Crowd {
+    /// The time of the last crossing.
+    t: f64,
+    events: usize,
 }
 
 /// An event to come.
@@ -179,7 +193,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             from: None,
             room: start.clone(),
             dense: DenseOutput::of(start),
-            last: None,
+            crowd: Crowd { t: f64::NAN, events: 0 },
             whole: f64::NAN,
             pieces: Vec::new(),
             kept: 0,
@@ -309,11 +323,11 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let last = state.t;
         while let Some(event) = self.event_in(stepper, noise, [&from, state], is_whole, dw)? {
             let NextEvent { number, at, crossing } = event;
-            // An event again without any time in between would happen for ever.
-            if self.last == Some((number, at.t)) || self.happened.len() == MOST_EVENTS {
-                return Err(self.too_many(&from, noise));
+            self.crowd = self.crowd_with(crossing, at.t);
+            if self.happened.len() == MOST_EVENTS || self.crowd.events > MOST_IN_CROWD * self.functions.len()
+            {
+                return Err(self.too_many(&at, noise));
             }
-            self.last = Some((number, at.t));
             self.increments(noise, [from.t, at.t], dw)?;
             self.keep_piece([&from, &at], dw, false);
             from = self.act(number, at.clone()).map_err(|cause| self.failed(noise, cause))?;
@@ -388,6 +402,13 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         }
         stepper.set_exchanged(exchanged);
         Ok(())
+    }
+
+    /// The last crossings with the next event.
+    fn crowd_with(&self, crossing: Option<FoundCrossing>, t: f64) -> Crowd {
+        let Some(crossing) = crossing else { return self.crowd };
+        let is_apart = crossing.offset == 0.0 && t != self.crowd.t;
+        Crowd { t, events: if is_apart { 0 } else { self.crowd.events + 1 } }
     }
 
     /// Keeps a part of the step.
@@ -508,22 +529,33 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         if self.functions.is_empty() {
             return None;
         }
-        let (sign, mut first): (f64, Option<Crossing<H::Vector>>) = (self.sign, None);
+        let sign = self.sign;
+        let mut first: Option<(FoundCrossing, State<H::Vector>)> = None;
         let Self { functions, watch, dense, found, .. } = self;
-        watch.follow(functions.iter().map(|rule| &rule.value), dense, &mut |crossing| {
-            let Crossing { section: function, direction, ref state } = crossing;
-            found.push(FoundCrossing { function, direction, t: state.t });
+        watch.follow(functions.iter().map(|rule| &rule.value), dense, &mut |crossing, offset| {
+            let Crossing { section: function, direction, state } = crossing;
+            let crossed = FoundCrossing { function, direction, t: state.t, offset };
+            found.push(crossed);
             let counts = functions[function].direction.is_none_or(|wanted| wanted == direction);
-            let is_first = first.as_ref().is_none_or(|first| sign * (state.t - first.state.t) < 0.0);
+            let is_first = first.as_ref().is_none_or(|(first, _)| sign * (crossed.t - first.t) < 0.0);
             if counts && is_first {
-                first = Some(crossing);
+                first = Some((crossed, state));
             }
         });
-        let Crossing { section: function, direction, state } = first?;
-        let CrossingRule { number, value, .. } = &self.functions[function];
+        let (crossing, near) = first?;
+        let CrossingRule { number, value, .. } = &self.functions[crossing.function];
         let (number, value) = (*number, value.clone());
-        let crossing = Some(FoundCrossing { function, direction, t: state.t });
-        Some(NextEvent { number, at: self.put_on(&*value, from, to.t, state), crossing })
+        let at = match crossing.offset == 0.0 {
+            true => self.put_on(&*value, from, to.t, near),
+            // Nearer to the last crossing of the function than its rounding: at the time on the polynomial.
+            false => {
+                let mut at = near.clone();
+                let step = self.side.step(self.system, from, near.t - from.t, &[], &mut at);
+                at.t = near.t;
+                if step.is_ok() { at } else { near }
+            }
+        };
+        Some(NextEvent { number, at, crossing: Some(crossing) })
     }
 
     /// The state at which a function is zero, by secants in the length of a side step, from the crossing on
@@ -579,9 +611,12 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         for (function, side) in sides.iter_mut().enumerate() {
             let CrossingRule { number, direction: wanted, value } = &self.functions[function];
             let (number, wanted, value) = (*number, *wanted, value.clone());
-            let (sign, after) = (side.sign(), value(to));
+            let (sign, after) = (side.sign(), side.shifted(value(to)));
+            let offset = side.offset();
             let before = SignSide::<State<H::Vector>>::on(sign, side.value()).value();
-            *side = if after == 0.0 { SignSide::on(sign, after) } else { SignSide::at(after) };
+            let reached = if after == 0.0 { SignSide::on(sign, after) } else { SignSide::at(after) };
+            // A crossing takes the offset with it.
+            *side = if sign * after < 0.0 { reached } else { reached.with_offset(offset) };
             let direction = if after > 0.0 { Direction::Rising } else { Direction::Falling };
             let changes = sign * after < 0.0 && wanted.is_none_or(|wanted| wanted == direction);
             if !changes {
@@ -591,7 +626,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             let fraction = root([0.0, 1.0], [before, after], |fraction| {
                 let t = from.t + fraction * (to.t - from.t);
                 match self.part(noise, from, t, &mut dw, &mut at) {
-                    Ok(()) => value(&at),
+                    Ok(()) => value(&at) + offset,
                     Err(error) => {
                         failure = Some(error);
                         f64::NAN
@@ -604,7 +639,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             self.part(noise, from, from.t + fraction * (to.t - from.t), &mut dw, &mut at)?;
             let is_first = first.as_ref().is_none_or(|first| self.sign * (at.t - first.at.t) < 0.0);
             if is_first {
-                let crossing = Some(FoundCrossing { function, direction, t: at.t });
+                let crossing = Some(FoundCrossing { function, direction, t: at.t, offset });
                 first = Some(NextEvent { number, at, crossing });
             }
         }
@@ -620,11 +655,17 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     /// manifold of the constraints, if there are any.
     ///
     /// # Errors
-    /// [`StepFailure::NonFiniteInput`] where the state is no number, and the errors of the projection.
+    /// [`StepFailure::Dimension`] and [`StepFailure::NonFiniteInput`] where the state has another length or
+    /// is no number, and the errors of the projection.
     fn act(&mut self, number: usize, before: State<H::Vector>) -> Result<State<H::Vector>, StepFailure> {
         let mut after = before.clone();
         let outcome = (self.rules.0[number].action)(&mut after);
         after.t = before.t;
+        let (expected, lists) = (before.q.components().len(), [&after.q, &after.p]);
+        if let Some(got) = lists.map(|list| list.components().len()).into_iter().find(|&got| got != expected)
+        {
+            return Err(StepFailure::Dimension { expected, got });
+        }
         if zero_if_finite(after.q.components()) != 0.0 || zero_if_finite(after.p.components()) != 0.0 {
             return Err(StepFailure::NonFiniteInput);
         }
@@ -671,10 +712,15 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
                 Some(event) if event.function == function => {
                     self.side_behind(event.direction, &*value, states, values)
                 }
-                _ if values[0] == values[1] => SignSide::on(
-                    self.sign_at(function, event.map_or(states[0].t, |event| event.t)),
-                    values[1],
-                ),
+                _ if values[0] == values[1] => {
+                    let (sign, offset) = (
+                        self.sign_at(function, event.map_or(states[0].t, |event| event.t)),
+                        self.sides[function].offset(),
+                    );
+                    // A crossing takes the offset with it.
+                    let offset = if sign * offset > 0.0 { offset } else { 0.0 };
+                    SignSide::on(sign, values[1] + offset).with_offset(offset)
+                }
                 _ => SignSide::at(values[1]),
             };
             self.watch.set_side(function, side);
@@ -703,9 +749,6 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         values: [f64; 2],
     ) -> SignSide<State<H::Vector>> {
         let here = values[1];
-        if before == state {
-            return SignSide::on(direction.sign(), here);
-        }
         let gradient = self.system.energy_gradient(state);
         let (q, p) = (state.q.components(), state.p.components());
         let mut force = H::Vector::zeros(q.len());
@@ -719,13 +762,22 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             self.room.p.components_mut()[i] += ahead * (force.components()[i] - gradient.q.components()[i]);
         }
         let there = value(&self.room);
-        if there.is_nan() {
-            SignSide::at(here)
-        } else if there == here && values[0] == values[1] {
-            // It rests on the section, and would cross it again.
+        let (moved, is_changed) = (there - here, values[0] != values[1]);
+        let is_driven = self.system.increments(self.room.q.components().len()) > 0;
+        if there.is_nan() || is_changed {
+            return SignSide::at(if there.is_nan() { here } else { there });
+        }
+        // The function is zero here: neither the error of the crossing nor what the motion makes of the
+        // function in this time is a crossing. Twice the second and 5/4 of the first, which grows little in a
+        // crowd.
+        let rounding = moved.abs().max(0.625 * here.abs());
+        if before == state && (is_driven || moved != 0.0) {
+            SignSide::from_zero(direction.sign(), here, rounding)
+        } else if moved == 0.0 {
+            // The path rests on the section, and would cross it again.
             SignSide::on(-direction.sign(), here)
         } else {
-            SignSide::on(sign(there), here)
+            SignSide::from_zero(sign(moved), here, rounding)
         }
     }
 
@@ -806,12 +858,17 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         tape.word(&mut past);
         self.past = usize::try_from(past).unwrap_or(usize::MAX);
         self.watch.pass(tape);
+        for function in 0..self.functions.len() {
+            let side = self.watch.sides()[function].clone();
+            let mut offset = side.offset();
+            tape.number(&mut offset);
+            self.watch.set_side(function, side.with_offset(offset));
+        }
         copy_state(&mut self.before, state);
         tape.flag(&mut self.is_over);
-        let (number, t) = self.last.unwrap_or((usize::MAX, f64::NAN));
-        let (mut number, mut t) = (number as u64, t);
-        tape.word(&mut number);
-        tape.number(&mut t);
-        self.last = usize::try_from(number).ok().filter(|_| !t.is_nan()).map(|number| (number, t));
+        tape.number(&mut self.crowd.t);
+        let mut events = self.crowd.events as u64;
+        tape.word(&mut events);
+        self.crowd.events = usize::try_from(events).unwrap_or(usize::MAX);
     }
 }

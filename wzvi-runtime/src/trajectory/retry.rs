@@ -123,7 +123,7 @@ impl<'a, H: Discretized<E>, E, C: StateSum<f64>> Subdivision<'a, H, E, C> {
         })
     }
 
-    /// These steps, in which something may happen.
+    /// Takes steps in which something may happen.
     pub(crate) fn following(mut self, following: Following<'a, H, E>) -> Self {
         (self.way, self.following) = (StepDivision::Followed, Some(Box::new(following)));
         self

@@ -123,22 +123,22 @@ impl<V: Vector> SectionWatch<V> {
         }
     }
 
-    /// The crossings of a step, function by function, each in the order of time; the number of the function
-    /// is that of the section.
+    /// The crossings of a step, function by function, each in the order of time, and what is added to the
+    /// function there ([`SignSide::offset`]); the number of the function is that of the section.
     pub(crate) fn follow<'f, 'a: 'f>(
         &mut self,
         functions: impl Iterator<Item = &'f Observable<'a, V>>,
         dense: &DenseOutput<V>,
-        found: &mut dyn FnMut(Crossing<V>),
+        found: &mut dyn FnMut(Crossing<V>, f64),
     ) where
         V: 'f,
     {
         let parts = dense.rows().clamp(LEAST_PARTS, MOST_PARTS);
         self.samples.set(dense.rows(), parts);
         for (section, (side, value)) in self.sides.iter_mut().zip(functions).enumerate() {
-            let mut step = SectionSearch { dense, value: &**value, room: &mut self.room };
-            step.follow(side, &self.samples, parts, &mut |direction, state| {
-                found(Crossing { section, direction, state });
+            let mut step = SectionSearch { dense, value: &**value, offset: 0.0, room: &mut self.room };
+            step.follow(side, &self.samples, parts, &mut |direction, state, offset| {
+                found(Crossing { section, direction, state }, offset);
             });
         }
     }
@@ -162,7 +162,7 @@ impl<V: Vector> SectionWatch<V> {
 
     /// Everything that steps change.
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
-        for SignSide { value, sign, touched } in &mut self.sides {
+        for SignSide { value, sign, touched, .. } in &mut self.sides {
             tape.numbers([value, sign]);
             let mut is_touched = touched.is_some();
             tape.flag(&mut is_touched);
@@ -194,13 +194,15 @@ impl<V: Vector> Crossing<V> {
 struct SectionSearch<'s, V> {
     dense: &'s DenseOutput<V>,
     value: &'s dyn Fn(&State<V>) -> f64,
+    /// What is added to the function in the part of the step that is searched.
+    offset: f64,
     room: &'s mut State<V>,
 }
 
 impl<V: Vector> SectionSearch<'_, V> {
     fn at(&mut self, theta: f64) -> f64 {
         self.dense.write(theta, self.room);
-        (self.value)(self.room)
+        (self.value)(self.room) + self.offset
     }
 
     fn follow(
@@ -208,18 +210,25 @@ impl<V: Vector> SectionSearch<'_, V> {
         side: &mut SignSide<State<V>>,
         samples: &Samples,
         parts: usize,
-        found: &mut dyn FnMut(Direction, State<V>),
+        found: &mut dyn FnMut(Direction, State<V>, f64),
     ) {
         let theta = |i: usize| i as f64 / parts as f64;
-        let mut values = [0.0; MOST_PARTS + 1];
+        let (mut values, mut offsets) = ([0.0; MOST_PARTS + 1], [0.0; MOST_PARTS + 1]);
         values[0] = side.value;
-        for (i, value) in values.iter_mut().enumerate().take(parts).skip(1) {
-            self.dense.write_sample(samples, i, self.room);
-            *value = (self.value)(self.room);
+        for i in 1..=parts {
+            let value = if i < parts {
+                self.dense.write_sample(samples, i, self.room);
+                (self.value)(self.room)
+            } else {
+                (self.value)(self.dense.end())
+            };
+            (values[i], offsets[i]) = (side.shifted(value), side.offset());
         }
-        values[parts] = (self.value)(self.dense.end());
         let values = &values[..=parts];
         for i in 0..parts {
+            let offset = offsets[i + 1];
+            self.offset = offset;
+            let found = &mut |direction, state| found(direction, state, offset);
             let (bracket, ends) = ([theta(i), theta(i + 1)], [values[i], values[i + 1]]);
             let after = sign(ends[1]);
             let turns = |i: usize| after * slope(values, i);

@@ -22,9 +22,9 @@ use crate::symbolic::{Expr, Graph, Rational, Symbol, ZeroTest};
 /// Why a part is no sum of Kepler problems.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum NotKepler {
-    /// It is nearly one, but for this.
+    /// The part is a sum of Kepler problems but for this.
     Nearly(&'static str),
-    /// It has another form.
+    /// The part has another form.
     Other,
 }
 

@@ -142,9 +142,9 @@ impl Bond {
         Some(found)
     }
 
-    /// As a function of the place of the second point less that of the first, or of the opposite, and whether
-    /// the value is written so: squares of both are written in different ways, and arguments of functions are
-    /// compared as they are written.
+    /// The value as a function of the place of the second point less that of the first, or of the opposite,
+    /// and whether it is written so: squares of both are written in different ways, and arguments of
+    /// functions are compared as they are written.
     fn of_difference(&self, graph: &mut Graph, is_swapped: bool) -> Option<(Expr, bool)> {
         let two = Rational::integer(2);
         let is_line = self.components.len() == 1;

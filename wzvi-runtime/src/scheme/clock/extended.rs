@@ -146,7 +146,7 @@ impl<N: Scalar, M: StepMemory> StepMemory for ExtendedMemory<N, M> {
 /// One step of `ε` from `(q, p)` at `t` in place. On `Err` nothing has changed.
 ///
 /// # Errors
-/// Those of the step, and where sizes do not fit.
+/// The errors of the step, and [`StepFailure::Dimension`] where sizes do not fit.
 fn advance<H: Elements, S: Scalar, T: ExtendedStep<H, S::Constant>>(
     step: &T,
     system: &SystemIn<'_, H, S::Constant>,

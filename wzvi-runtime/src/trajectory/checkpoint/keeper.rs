@@ -47,7 +47,7 @@ impl RunDescription {
         Self { settings: all, derived, start: Tape::write(|tape| start.pass(tape)), starts: Vec::new() }
     }
 
-    /// And with a setting.
+    /// Adds a setting to the description of the run.
     pub(crate) fn add(&mut self, name: &str, value: &str) {
         self.settings.push((name.to_owned(), value.to_owned()));
     }

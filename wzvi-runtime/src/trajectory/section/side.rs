@@ -13,6 +13,9 @@ pub(crate) struct SignSide<P> {
     pub(super) sign: f64,
     /// The first point since then at which the value was zero.
     pub(super) touched: Option<P>,
+    /// What is added to the function until it is larger than this on its side: where a path goes on from a
+    /// zero of the function, its rounding is no crossing.
+    offset: f64,
 }
 
 /// The place of a change of sign of a function.
@@ -27,7 +30,7 @@ impl<P> SignSide<P> {
     /// A path that starts with this value.
     pub(crate) fn at(value: f64) -> Self {
         let sign = if value.is_nan() { 0.0 } else { sign(value) };
-        Self { value, sign, touched: None }
+        Self { value, sign, touched: None, offset: 0.0 }
     }
 
     /// A path on the side of this sign, where the function has this value: one of another sign is zero up to
@@ -35,6 +38,32 @@ impl<P> SignSide<P> {
     pub(crate) fn on(sign: f64, value: f64) -> Self {
         let is_there = sign * value > 0.0 || sign == 0.0;
         Self::at(if is_there { value } else { f64::MIN_POSITIVE.copysign(sign) })
+    }
+
+    /// A path on the side of this sign that goes on from a zero, where the function has this value: a value
+    /// of the other sign up to the size `rounding` is none.
+    pub(crate) fn from_zero(sign: f64, value: f64, rounding: f64) -> Self {
+        // Twice, so that the path is not on the edge.
+        let offset = 2.0 * rounding * sign;
+        Self { offset, ..Self::at(value + offset) }
+    }
+
+    /// What is added to the function.
+    pub(crate) fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// Adds the offset to a value of the function, unless it is larger than that by itself.
+    pub(crate) fn shifted(&mut self, value: f64) -> f64 {
+        if self.sign * value > self.offset.abs() {
+            self.offset = 0.0;
+        }
+        value + self.offset
+    }
+
+    /// This side, with an offset.
+    pub(crate) fn with_offset(self, offset: f64) -> Self {
+        Self { offset, ..self }
     }
 
     /// The sign of the last value that was not zero; 0 before there is one, and after NaN.
@@ -62,6 +91,9 @@ impl<P> SignSide<P> {
             None
         } else {
             self.sign = after;
+            if before != after {
+                self.offset = 0.0;
+            }
             let touched = self.touched.take();
             (before == -after).then(|| touched.map_or(SignChange::Between, SignChange::At))
         }

@@ -14,7 +14,7 @@ fn crossings(f: impl Fn(f64) -> f64 + Send + Sync, steps: u32) -> Vec<(f64, Dire
     let mut all = Vec::new();
     for step in 0..steps {
         let dense = DenseOutput::straight([state(step), state(step + 1)]);
-        watch.follow(sections.functions(), &dense, &mut |crossing| {
+        watch.follow(sections.functions(), &dense, &mut |crossing, _| {
             all.push((crossing.state.t, crossing.direction));
         });
     }

@@ -196,7 +196,7 @@ struct ExtendedSystem<'a, H>(&'a H);
 #[derive(Clone, Copy, Debug)]
 struct ExtendedParameters;
 
-/// These in numbers of one type.
+/// The parameters of the system and `p_t`, in numbers of one type.
 #[derive(Clone, Debug)]
 struct ParametersWithMomentum<K> {
     /// All, where they have derivatives; else none.

@@ -213,7 +213,7 @@ fn steps_are_symplectic_in_the_extended_phase_space() {
             assert!((form - exact).abs() < 1e-12, "{a}, {b}: {form} instead of {exact}");
         }
     }
-    // And in all six, as `p_t` is a parameter with a derivative.
+    // The step is symplectic in all six variables, too: `p_t` is a parameter with a derivative.
     is_symplectic(&ExtendedGauss::<3>, &Kepler, &kepler);
 }
 
