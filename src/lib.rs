@@ -240,7 +240,7 @@ pub use wzvi_runtime::trajectory::Error;
 pub use wzvi_runtime::trajectory::{
     chaos, checkpoint, events, recorded as trajectory, retry, section, series, simulate, step,
 };
-pub use wzvi_runtime::{increments, integrate};
+pub use wzvi_runtime::{exported, increments, integrate};
 
 /// Errors. Each says where, why and what to do; none leaves a state changed.
 pub mod error {

@@ -16,6 +16,7 @@
 //! | `ensemble` | many paths |
 //! | `plot`, `report` | figures and pages |
 //! | `integrate` | the entry points of runs |
+//! | `exported` | systems for programs in other languages |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(
@@ -36,6 +37,7 @@ pub mod calculus;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;
+pub mod exported;
 pub mod ground;
 pub mod increments;
 pub mod integrate;
