@@ -10,6 +10,7 @@ mod clock;
 mod events;
 mod high_order;
 mod jumps;
+mod observables;
 mod orbits;
 mod refused;
 mod report;
