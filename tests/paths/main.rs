@@ -8,6 +8,7 @@ mod chaos;
 mod checkpoint;
 mod clock;
 mod events;
+mod export;
 mod high_order;
 mod jumps;
 mod observables;

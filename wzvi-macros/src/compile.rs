@@ -177,4 +177,6 @@ mod golden_tests;
 #[cfg(test)]
 mod message_tests;
 #[cfg(test)]
+mod observable_tests;
+#[cfg(test)]
 mod order_tests;

@@ -1,14 +1,18 @@
 //! `impl Exported`: what a program in another language has to know of a system to make and run one. It is
 //! written only where the key `export` asks for it. Tests: `tests/paths/export.rs`.
 
+mod one_line;
+
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{ToTokens, quote};
 use syn::ext::IdentExt;
 use syn::{Attribute, Expr, ExprLit, Lit, Member, Meta};
 
 use crate::diagnostics::source;
 use crate::input::{Declaration, DeclaredClock, Hamiltonian};
 use crate::key::Key;
+
+use one_line::one_line;
 
 /// The implementation, in the scope of the user, whose types it names.
 pub(crate) fn emit(item: &syn::ItemStruct, declaration: &Declaration) -> Option<TokenStream> {
@@ -90,17 +94,17 @@ fn closures(declaration: &Declaration) -> Vec<(&'static str, String)> {
     let mut all: Vec<(&str, String)> = closures.collect();
     if let Some(friction) = &declaration.friction {
         let key = if friction.is_matrix { Key::Damping } else { Key::Friction };
-        all.push((key.name(), source(&friction.given.tokens)));
+        all.push((key.name(), one_line(&friction.given.tokens)));
     }
     if let Some(temperature) = &declaration.temperature {
-        all.push((Key::Temperature.name(), source(&temperature.tokens)));
+        all.push((Key::Temperature.name(), one_line(&temperature.tokens)));
     }
     let clock = declaration.clock.as_ref().and_then(|clock| match &clock.value {
         // It is among the closures.
         DeclaredClock::Function => None,
         DeclaredClock::Curvature(None) => Some("curvature".to_owned()),
         DeclaredClock::Curvature(Some(frequency)) => {
-            Some(format!("curvature({})", source(&frequency.tokens)))
+            Some(format!("curvature({})", one_line(&frequency.tokens)))
         }
         DeclaredClock::Pairs => Some("pairs".to_owned()),
     });
@@ -110,10 +114,10 @@ fn closures(declaration: &Declaration) -> Vec<(&'static str, String)> {
 
 /// A closure with its name, or a family of closures.
 fn written(closure: &Hamiltonian) -> String {
-    let text = source(&closure.tokens);
+    let text = one_line(&closure.tokens);
     match (&closure.name, &closure.family) {
         (Some(name), _) => format!("{name} = {text}"),
-        (None, Some(count)) => format!("[{text}; {}]", source(count)),
+        (None, Some(count)) => format!("[{text}; {}]", one_line(&count.to_token_stream())),
         (None, None) => text,
     }
 }
