@@ -174,6 +174,11 @@ fn a_path_has_its_crossings_observables_and_increments() {
         path.crossings().iter().map(|crossing| crossing.state.t).collect::<Vec<_>>()
     );
     assert!(of("crossings.direction").iter().all(|direction| *direction == 1.0));
+    let task = pendulum("path", "Midpoint").real("h", 0.01).integer("steps", 1);
+    assert_eq!(
+        (task.run(), words((wzvi_table().columns)(task.0.as_deref()))),
+        (DONE, "t\nangle\nmomentum".into())
+    );
     // The increments that came out, as given ones, give the same path.
     let given = kubo("path").reals("increments", &of("dw"), &[1000]).real("until", 20.0).finished();
     assert_eq!(given["q"], arrays["q"]);
