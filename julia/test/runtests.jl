@@ -1,6 +1,6 @@
 # Compares the bits of Julia with those of the Rust program:
 #
-#     cargo build --release -p wzvi-c --features chaos --examples
+#     cargo build --release -p wzvi-c --examples
 #     julia --project=julia julia/test/runtests.jl target/release/examples
 using Test
 using Wzvi
