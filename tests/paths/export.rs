@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use wzvi::embedding::{Composed, KahanLi8};
 use wzvi::error::ConfigError;
-use wzvi::exported::{Exported, Field, Fields, Given, GivenNumbers};
+use wzvi::exported::{Exported, Field, Given, GivenFields, GivenNumbers};
 use wzvi::prelude::*;
 
 /// A pendulum of length `length`.
@@ -30,7 +30,7 @@ struct Pendulum {
     kt: f64,
 }
 
-/// Fields of all types.
+/// GivenFields of all types.
 #[hamiltonian(
     drift = |q: [f64; N], p: [f64; N]| (0..N).map(|i| 0.5 * p[i] * p[i] + q[i] * q[i]).sum::<f64>(),
     invariant = |q, p| (0..N).map(|i| 0.5 * p[i] * p[i] + q[i] * q[i]).sum::<f64>(),
@@ -83,7 +83,7 @@ impl Values {
     }
 }
 
-impl Fields for Values {
+impl GivenFields for Values {
     fn given(&self, name: &str) -> Option<Given<'_>> {
         if let Some((values, shape)) = self.reals.get(name) {
             return Some(Given { values: GivenNumbers::Reals(values), shape });

@@ -1,8 +1,8 @@
-//! Settings of a task, by name. Fields of the system have the names `parameter.<field>`.
+//! Settings of a task, by name. GivenFields of the system have the names `parameter.<field>`.
 
 use std::collections::BTreeMap;
 
-use wzvi::exported::{FieldDescription, Fields, Given, GivenNumbers};
+use wzvi::exported::{FieldDescription, Given, GivenFields, GivenNumbers};
 
 use crate::error::TaskError;
 
@@ -212,7 +212,7 @@ impl Settings {
     }
 }
 
-impl Fields for Settings {
+impl GivenFields for Settings {
     fn given(&self, name: &str) -> Option<Given<'_>> {
         self.0.get(&format!("{PARAMETER}{name}"))?.given()
     }
@@ -227,7 +227,7 @@ pub struct Row<'s> {
     pub index: usize,
 }
 
-impl Fields for Row<'_> {
+impl GivenFields for Row<'_> {
     fn given(&self, name: &str) -> Option<Given<'_>> {
         self.settings.given(name)?.part(self.index)
     }

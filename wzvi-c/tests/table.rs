@@ -370,7 +370,7 @@ fn a_path_that_fails_has_its_part() {
 #[test]
 fn fields_are_made_of_what_fits() {
     struct Only(&'static str, GivenNumbers<'static>, &'static [usize]);
-    impl wzvi::exported::Fields for Only {
+    impl wzvi::exported::GivenFields for Only {
         fn given(&self, name: &str) -> Option<Given<'_>> {
             let springs = Given { values: self.1, shape: self.2 };
             let k = Given { values: GivenNumbers::Integers(&[3]), shape: &[] };

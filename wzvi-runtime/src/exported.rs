@@ -26,7 +26,7 @@ pub trait Exported: Hamiltonian + Sized {
     ///
     /// # Errors
     /// [`ConfigError::Setting`] with the name of a field that is missing or does not fit.
-    fn from_fields(fields: &dyn Fields) -> Result<Self, ConfigError>;
+    fn from_fields(fields: &dyn GivenFields) -> Result<Self, ConfigError>;
 }
 
 /// A field of a system.
@@ -59,7 +59,7 @@ pub enum GivenNumbers<'g> {
 }
 
 /// Values for the fields of a system, by name.
-pub trait Fields {
+pub trait GivenFields {
     /// The value with this name.
     fn given(&self, name: &str) -> Option<Given<'_>>;
 }
@@ -82,7 +82,7 @@ pub trait FromGiven: Sized {
 ///
 /// # Errors
 /// [`ConfigError::Setting`] with its name, if it is missing or does not fit.
-pub fn field<T: FromGiven>(fields: &dyn Fields, name: &str) -> Result<T, ConfigError> {
+pub fn field<T: FromGiven>(fields: &dyn GivenFields, name: &str) -> Result<T, ConfigError> {
     let Some(given) = fields.given(name) else {
         return Err(ConfigError::Setting(format!("the parameter `{name}` is missing")));
     };
@@ -92,10 +92,10 @@ pub fn field<T: FromGiven>(fields: &dyn Fields, name: &str) -> Result<T, ConfigE
 
 impl<'g> Given<'g> {
     /// A single number, if it has no axes.
-    fn single(&self) -> Option<Number> {
+    fn single(&self) -> Option<SingleNumber> {
         match (self.values, self.shape) {
-            (GivenNumbers::Reals(&[value]), []) => Some(Number::Real(value)),
-            (GivenNumbers::Integers(&[value]), []) => Some(Number::Integer(value)),
+            (GivenNumbers::Reals(&[value]), []) => Some(SingleNumber::Real(value)),
+            (GivenNumbers::Integers(&[value]), []) => Some(SingleNumber::Integer(value)),
             _ => None,
         }
     }
@@ -116,15 +116,15 @@ impl<'g> Given<'g> {
     /// In the words of a message.
     fn described(&self) -> String {
         match self.single() {
-            Some(Number::Real(value)) => format!("{value:?}"),
-            Some(Number::Integer(value)) => value.to_string(),
+            Some(SingleNumber::Real(value)) => format!("{value:?}"),
+            Some(SingleNumber::Integer(value)) => value.to_string(),
             None => format!("an array of shape {:?}", self.shape),
         }
     }
 }
 
 /// A number by itself.
-enum Number {
+enum SingleNumber {
     Real(f64),
     Integer(i64),
 }
@@ -135,9 +135,9 @@ const LARGEST_EXACT: u64 = 1 << f64::MANTISSA_DIGITS;
 impl FromGiven for f64 {
     fn from_given(given: &Given<'_>) -> Result<Self, String> {
         match given.single() {
-            Some(Number::Real(value)) => Ok(value),
+            Some(SingleNumber::Real(value)) => Ok(value),
             #[allow(clippy::cast_precision_loss, reason = "exact up to this bound")]
-            Some(Number::Integer(value)) if value.unsigned_abs() <= LARGEST_EXACT => Ok(value as f64),
+            Some(SingleNumber::Integer(value)) if value.unsigned_abs() <= LARGEST_EXACT => Ok(value as f64),
             _ => Err(format!("a real number, not {}", given.described())),
         }
     }
@@ -146,8 +146,8 @@ impl FromGiven for f64 {
 impl FromGiven for bool {
     fn from_given(given: &Given<'_>) -> Result<Self, String> {
         match given.single() {
-            Some(Number::Integer(0)) => Ok(false),
-            Some(Number::Integer(1)) => Ok(true),
+            Some(SingleNumber::Integer(0)) => Ok(false),
+            Some(SingleNumber::Integer(1)) => Ok(true),
             _ => Err(format!("true or false, 1 or 0, not {}", given.described())),
         }
     }
@@ -159,7 +159,7 @@ macro_rules! integers {
             impl FromGiven for $integer {
                 fn from_given(given: &Given<'_>) -> Result<Self, String> {
                     let value = match given.single() {
-                        Some(Number::Integer(value)) => Self::try_from(value).ok(),
+                        Some(SingleNumber::Integer(value)) => Self::try_from(value).ok(),
                         _ => None,
                     };
                     value.ok_or_else(|| {

@@ -52,7 +52,7 @@ pub(crate) fn emit(item: &syn::ItemStruct, declaration: &Declaration) -> Option<
         type Schemes = #list;
 
         fn from_fields(
-            __fields: &dyn #exported::Fields,
+            __fields: &dyn #exported::GivenFields,
         ) -> ::core::result::Result<Self, #wzvi::error::ConfigError> {
             ::core::result::Result::Ok(Self { #(#given),* })
         }

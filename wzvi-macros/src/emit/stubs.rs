@@ -70,7 +70,7 @@ impl Stubs {
                     const SCHEMES: &'static [#str] = &[];
                     type Schemes = ();
                     fn from_fields(
-                        _: &dyn #wzvi::exported::Fields,
+                        _: &dyn #wzvi::exported::GivenFields,
                     ) -> ::core::result::Result<Self, #wzvi::error::ConfigError> {
                         ::core::unimplemented!()
                     }

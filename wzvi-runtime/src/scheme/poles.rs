@@ -233,8 +233,8 @@ impl QuadraticNoise {
             if !rates.iter().all(|rate| rate.is_finite()) {
                 return f64::INFINITY;
             }
-            // The largest rate is between 1 and 2 in units of `unit`; what is nothing beside it, is zero. Balancing
-            // does not end where numbers overflow or underflow.
+            // The largest rate is between 1 and 2 in units of `unit`, and a rate that is nothing beside it is
+            // zero. Balancing does not end where numbers overflow or underflow.
             let unit =
                 f64::from_bits(rates.amax().to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE);
             rates.apply(|rate| {
