@@ -268,7 +268,12 @@ def run_cargo(
     messages: list[dict[str, Any]] = []
     told = _Told(name, progress)
     with tempfile.TemporaryFile() as errors:
-        process = subprocess.Popen(command, cwd=home, env=dict(environment), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, **group)
+        try:
+            process = subprocess.Popen(
+                command, cwd=home, env=dict(environment), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, **group
+            )
+        except OSError as error:
+            raise Error(f"{command[0]} does not start ({error.strerror}): {NO_CARGO.split(': ', 1)[1]}") from error
         over = threading.Event()
 
         def read() -> None:
