@@ -205,6 +205,8 @@
 /// | `constraint` | a list of [constraints] `g(q) = 0` or `g(q, t) = 0`, closures of the coordinates; `[\|q, k\| ...; N]` is a family of `N`. Their schemes are [`Rattle`](embedding::Rattle), its compositions and [`GBaoab`](embedding::GBaoab) |
 /// | `embedding` | a [scheme](embedding), or a list of schemes; only these are generated |
 /// | `invariant` | a list of first integrals, which the compiler must prove; `[name = \|q, p\| ...]` names them |
+/// | `observe` | a list of named functions of the state, `[radius = \|q, p\| ...]`, for [tables, plots and statistics](system::Quantity); steps and proofs do not depend on them |
+/// | `export` | a list of schemes beside the embeddings, or `[]`: programs in other languages make and run the system ([`Exported`](exported::Exported)) |
 /// | `crate` | the path of this crate, if you renamed it |
 ///
 /// Only `drift` and `embedding` are required. The struct implements [`Hamiltonian`](system::Hamiltonian), and

@@ -12,13 +12,13 @@ use crate::diagnostics::{Diagnostics, Located, internal};
 use crate::discretise::{Facts, Plans};
 use crate::embedding::Embedding;
 use crate::emit::stubs::Stubs;
-use crate::emit::{Expansion, emit};
+use crate::emit::{Expansion, emit, export};
 use crate::functions;
 use crate::input::{self, Library};
 use crate::lower::lower;
 use crate::model::{Form, System};
 use crate::passes::clock::clock;
-use crate::passes::collect::collect;
+use crate::passes::collect::{collect, collect_observables};
 use crate::passes::divisors::divisors;
 use crate::passes::friction::friction;
 use crate::passes::ito::ito;
@@ -92,9 +92,12 @@ fn compile(
     stubs.degrees = phase_space.degrees();
 
     // lower
+    let exported = export::emit(&container.item, &declaration);
     let mut system = lower(container, declaration, &phase_space, diagnostics)?;
     divisors(&mut system);
-    expand_lowered(system, diagnostics)
+    let mut expansion = expand_lowered(system, diagnostics)?;
+    expansion.implementations.extend(exported);
+    Some(expansion)
 }
 
 /// The passes after the user's program is read. `None` only after an error was reported.
@@ -149,6 +152,7 @@ fn analyse_in_form(system: &mut System, diagnostics: &mut Diagnostics) -> Option
     }
     let facts = Facts::new(system);
     check(system, &facts, diagnostics);
+    collect_observables(system, diagnostics);
     (!diagnostics.has_errors()).then_some(facts)
 }
 
@@ -172,5 +176,7 @@ mod effort_tests;
 mod golden_tests;
 #[cfg(test)]
 mod message_tests;
+#[cfg(test)]
+mod observable_tests;
 #[cfg(test)]
 mod order_tests;

@@ -41,10 +41,14 @@ keys! {
     Calculus = "calculus",
     Embedding = "embedding",
     Invariant = "invariant",
+    /// A named function of the state, for results alone.
+    Observe = "observe",
     /// A function of coordinates and time that is zero along every path.
     Constraint = "constraint",
     /// The wanted length of a step, up to a factor: a function of the state, or how it is derived.
     Clock = "clock",
+    /// What programs in other languages have to know of the system, and schemes for these.
+    Export = "export",
     /// The path of the facade.
     Crate = "crate",
 }
@@ -52,6 +56,11 @@ keys! {
 impl Key {
     pub(crate) fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|key| key.name() == name)
+    }
+
+    /// Whether its closures may have names.
+    pub(crate) fn has_names(self) -> bool {
+        matches!(self, Self::Invariant | Self::Observe)
     }
 
     /// Whether its value is a covector, not a number.

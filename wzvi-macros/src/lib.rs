@@ -67,8 +67,10 @@ fn with_dependency(
 /// struct Kubo { a: f64, sigma: f64 }
 /// ```
 ///
-/// The other keys are `force`, `noise_force`, `friction`, `damping`, `temperature`, `constraint`, `clock` and
-/// `calculus`.
+/// The other keys are `force`, `noise_force`, `friction`, `damping`, `temperature`, `constraint`, `clock`,
+/// `calculus`, `observe` and `export`. In `observe = [radius = |q, p| ...]` are functions of the state with
+/// their names, for results alone. `export = []` implements `Exported`, by which programs in other languages
+/// make and run the system; `export = [Composed<Verlet, KahanLi8>]` adds schemes for these.
 ///
 /// The patterns of a closure declare the phase space. They are the coordinates, the momenta and, if it is
 /// named, time:

@@ -311,6 +311,12 @@ pub(crate) struct System {
     pub(crate) invariants: Vec<Term>,
     /// The names of the first integrals; empty where there is none.
     pub(crate) invariant_names: Vec<String>,
+    /// Functions of the state for results alone. They are no [`terms`](System::terms): nothing that is known
+    /// of the system depends on them.
+    pub(crate) observables: Vec<Term>,
+    pub(crate) observable_names: Vec<String>,
+    /// The number of the first collective variable that observables alone read, if there is one.
+    pub(crate) first_observed: Option<u32>,
     /// In the order of their multipliers.
     pub(crate) constraints: Vec<FamilyTerm>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
@@ -343,6 +349,13 @@ impl System {
         self.line.clone().filter(|_| self.slopes == Form::StraightLines)
     }
 
+    /// The collective variables of terms: all but those that observables alone read.
+    pub(crate) fn collectives_of_terms(&self) -> impl Iterator<Item = &Collective> {
+        let is_of_terms =
+            |known: &&Collective| self.first_observed.is_none_or(|first| known.slot.number < first);
+        self.collectives.all().iter().filter(is_of_terms)
+    }
+
     /// Every term but the two parts of a drift that is declared in parts.
     pub(crate) fn terms(&self) -> impl Iterator<Item = &Term> {
         let noise = self.noise.iter().map(|noise| &noise.term);
@@ -364,7 +377,8 @@ impl System {
     /// The degrees of freedom, where they are known and no element has loops.
     pub(crate) fn degrees_in_straight_lines(&self) -> Option<usize> {
         let mut elements = self.terms().chain(&self.summands).flat_map(|term| &term.values);
-        let is_straight = self.collectives.is_empty() && elements.all(|element| element.loops.is_empty());
+        let is_straight =
+            self.collectives_of_terms().next().is_none() && elements.all(|element| element.loops.is_empty());
         let degrees = self.size.as_integer().filter(|_| is_straight)?.checked_mul(self.components)?;
         usize::try_from(degrees).ok()
     }

@@ -223,7 +223,8 @@ impl<'a, H: Hamiltonian, E, N, P> Ensemble<'a, H, E, N, P> {
     /// duffing.ensemble::<Midpoint>(0.1).systems(system).start(start).paths(441).keep_paths(1 << 20).until(50.0).run()?
     /// ```
     ///
-    /// The default observable is then the energy of the path's own system. Each path has noise of its own.
+    /// The energy and the declared observables that are observed by default are then those of the path's own
+    /// system. Each path has noise of its own.
     /// For the same noise at each parameter, run an ensemble for each with the same seed and step size.
     pub fn systems(
         mut self,

@@ -2,7 +2,7 @@
 //! numbers. The key `export` of `#[hamiltonian]` implements [`Exported`]; nothing here is `unsafe`, and
 //! nothing here knows C.
 //!
-//! Tested by `tests/forces/export.rs`.
+//! Tested by `tests/paths/export.rs`.
 
 use crate::error::ConfigError;
 use crate::scheme::system::Hamiltonian;

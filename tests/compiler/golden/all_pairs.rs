@@ -84,6 +84,7 @@ const _: () = {
                 },
                 t: "t",
                 invariants: &[],
+                observables: &[],
             }
         }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {

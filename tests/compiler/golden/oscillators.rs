@@ -72,6 +72,7 @@ const _: () = {
                 p: Labels::Each(&["px", "py"]),
                 t: "t",
                 invariants: &[],
+                observables: &[],
             }
         }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {

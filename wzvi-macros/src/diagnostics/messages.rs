@@ -69,8 +69,20 @@ messages! {
         |q, p| ...]`";
     family_of_invariants(count) = "first integrals are listed one by one: `invariant = [|q, p| ..., |q, p| \
         ...]`";
-    name_of_other(name) = "first integrals have names, `invariant = [energy = |q, p| ...]`; other \
-        Hamiltonians have none: leave it out";
+    family_of_observables(count) = "observables are listed one by one, each with its name: `observe = [left = |q, p| ..., \
+        right = |q, p| ...]`";
+    unnamed_observable(closure) = "results have an observable under its name, and this one has none: write `observe = [name = |q, p| \
+        ...]`";
+    /// An observable with the name of another quantity of the system.
+    taken_name(name, of: &str) = "`{name}` is the name of {of}, and tables, plots and statistics show both: give this observable \
+        another name";
+    name_of_other(name) = "first integrals and observables have names, `invariant = [energy = |q, p| ...]`, `observe = [radius = |q, \
+        p| ...]`; other Hamiltonians have none: leave it out";
+    not_exported(found) = "`export` lists the types of schemes beside those of `embedding`, as in `export = [Composed<Verlet, KahanLi8>]`, \
+        or none, `export = []`";
+    /// `export` on a struct that borrows.
+    export_of_borrow(lifetime) = "programs in other languages give the fields of an exported system, which thus owns them: write \
+        `Vec<f64>` in place of `&[f64]`, or leave `export` out";
     not_a_scheme(found, schemes: &str) = "expected an embedding; there are {schemes}";
     /// More stages than the tables of coefficients have.
     gauss_stages(found) = "`Gauss<S>` has 1 to 16 stages; `Gauss<1>` is `Midpoint`";
@@ -237,6 +249,7 @@ fn synonym(name: &str) -> Option<Key> {
         "diffusion" | "stochastic" => Some(Key::Noise),
         "scheme" | "schemes" | "method" | "integrator" | "quadrature" => Some(Key::Embedding),
         "integral" | "first_integral" | "conserved" | "casimir" => Some(Key::Invariant),
+        "observable" | "observables" | "output" | "outputs" => Some(Key::Observe),
         "time_transformation" | "density" | "monitor" | "adaptive" => Some(Key::Clock),
         "constraints" | "holonomic" | "rods" | "manifold" => Some(Key::Constraint),
         _ => None,

@@ -38,11 +38,11 @@ fn distance(a: &str, b: &str) -> usize {
     rows[a.len()][b.len()]
 }
 
-/// The tokens as a user would write them: without the spaces that a token stream prints.
+/// The tokens as a user would write them, on one line: without the spaces that a token stream prints.
 pub(crate) fn source(tokens: &impl ToTokens) -> String {
     let spaced = tokens.to_token_stream().to_string();
     let mut text = String::with_capacity(spaced.len());
-    for (i, part) in spaced.split(' ').enumerate() {
+    for (i, part) in spaced.split_whitespace().enumerate() {
         let tight = |part: &str, ends: &str| part.chars().next().is_some_and(|c| ends.contains(c));
         let after = text.chars().last().is_some_and(|c| "<[(&:.".contains(c));
         if i > 0 && !after && !tight(part, "<>[](),;:.") {

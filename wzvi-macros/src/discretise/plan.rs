@@ -178,6 +178,7 @@ fn is_affine(system: &mut System, facts: &Facts, Quadrature { stages }: &Quadrat
                 | Role::Friction
                 | Role::Temperature
                 | Role::Integral(_)
+                | Role::Observable(_)
                 | Role::Clock
                 | Role::ClockRate => {}
             }
@@ -225,6 +226,7 @@ fn unknowns(model: &mut System, facts: &Facts, Quadrature { stages }: &Quadratur
         | Role::Friction
         | Role::Temperature
         | Role::Integral(_)
+        | Role::Observable(_)
         | Role::Clock
         | Role::ClockRate => false,
     };

@@ -30,6 +30,8 @@ pub(crate) enum Role {
     Temperature,
     /// A first integral, by its number.
     Integral(usize),
+    /// An observable, by its number.
+    Observable(usize),
     /// `Q`, the clock.
     Clock,
     /// `-d ln Q/dt`

@@ -1,6 +1,7 @@
 //! From equations to Rust: the struct as written, and its traits.
 
 pub(crate) mod compose;
+pub(crate) mod export;
 mod gauss;
 pub(crate) mod names;
 mod overrides;

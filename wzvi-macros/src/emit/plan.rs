@@ -16,11 +16,12 @@ pub(crate) fn facts(system: &System, facts: &Facts, of_elements: overrides::Fact
     let class = format_ident!("{}", format!("{:?}", facts.noise));
     let noise = (facts.noise != NoiseClass::None).then(|| quote!(__wzvi::NoiseClass::#class));
     let is_damped = system.friction.is_some() || system.conformal.is_some();
-    let of_collectives = system.collectives.all().iter().flat_map(|known| &known.elements);
+    let of_collectives = system.collectives_of_terms().flat_map(|known| &known.elements);
+    let has_collectives = system.collectives_of_terms().next().is_some();
     let has_pieces = system.acting().chain(of_collectives).any(|element| {
         let read = element.moving();
         // A force may read other places than it acts on, and collective variables read all.
-        let may_couple = read.len() > 1 || element.is_covector() || !system.collectives.is_empty();
+        let may_couple = read.len() > 1 || element.is_covector() || has_collectives;
         may_couple && system.graph.has_pieces(element.value, &read)
     });
     let known = overrides::FactOverrides {

@@ -14,6 +14,7 @@ pub(crate) struct Stubs {
     /// The generic parameters and the scheme of each implementation.
     schemes: Vec<(TokenStream, TokenStream)>,
     crate_path: Option<Path>,
+    is_exported: bool,
     /// The degrees of freedom; `None` if the number depends on the state.
     pub(crate) degrees: Option<usize>,
 }
@@ -21,7 +22,7 @@ pub(crate) struct Stubs {
 impl Stubs {
     /// Stubs from the tokens of the item alone.
     pub(crate) fn unrecognised(item: TokenStream) -> Self {
-        Self { item, system: None, schemes: Vec::new(), crate_path: None, degrees: None }
+        Self { item, system: None, schemes: Vec::new(), crate_path: None, is_exported: false, degrees: None }
     }
 
     /// Adds what the attribute declares.
@@ -43,6 +44,7 @@ impl Stubs {
             vec![(quote! { #parameters }, quote! { __E })]
         };
         self.crate_path = Some(crate_path.clone());
+        self.is_exported = declaration.export.is_some();
     }
 
     /// The expansion that reports `errors`.
@@ -56,6 +58,25 @@ impl Stubs {
         let (parameters, system) = self.system.as_ref()?;
         let wzvi = self.crate_path.as_ref()?;
         let hamiltonian = self.hamiltonian(wzvi);
+        let exported = self.is_exported.then(|| {
+            let str = quote!(&'static ::core::primitive::str);
+            quote! {
+                #[allow(warnings)]
+                impl #parameters #wzvi::exported::Exported for #system {
+                    const NAME: #str = "";
+                    const DOC: #str = "";
+                    const FIELDS: &'static [#wzvi::exported::Field] = &[];
+                    const CLOSURES: &'static [(#str, #str)] = &[];
+                    const SCHEMES: &'static [#str] = &[];
+                    type Schemes = ();
+                    fn from_fields(
+                        _: &dyn #wzvi::exported::Fields,
+                    ) -> ::core::result::Result<Self, #wzvi::error::ConfigError> {
+                        ::core::unimplemented!()
+                    }
+                }
+            }
+        });
         let (with_scheme, schemes): (Vec<_>, Vec<_>) = self.schemes.iter().cloned().unzip();
         Some(quote! {
             const _: () = {
@@ -63,6 +84,7 @@ impl Stubs {
                 impl #parameters #wzvi::system::Hamiltonian for #system { #hamiltonian }
                 #[allow(warnings)]
                 impl #parameters #wzvi::modified::Conservative for #system {}
+                #exported
                 #(
                     #[allow(warnings)]
                     impl #with_scheme #wzvi::system::Discretized<#schemes> for #system {

@@ -31,6 +31,8 @@ pub(crate) struct Declaration {
     pub(crate) all_embeddings_known: bool,
     /// The place of `Ito` in the source, if noises are in that sense.
     pub(crate) ito: Option<Extent>,
+    /// The schemes of `export = [...]` beside the embeddings, as written; `None` without this key.
+    pub(crate) export: Option<Vec<syn::Type>>,
     pub(crate) crate_path: Path,
     /// The shared functions that the closures call.
     pub(crate) library: Library,
@@ -44,9 +46,9 @@ impl Declaration {
 
     /// Every closure over phase space, the drift first, those with numbers as values before covectors.
     pub(crate) fn in_order(&self) -> impl Iterator<Item = &Hamiltonian> {
-        [Key::Drift, Key::Noise, Key::Invariant, Key::Force, Key::NoiseForce, Key::Constraint, Key::Clock]
-            .into_iter()
-            .flat_map(|key| self.of(key))
+        let of_values = [Key::Drift, Key::Noise, Key::Invariant, Key::Observe];
+        let others = [Key::Force, Key::NoiseForce, Key::Constraint, Key::Clock];
+        of_values.into_iter().chain(others).flat_map(|key| self.of(key))
     }
 
     /// The schemes as types of the facade, each with the type as which it was written.
@@ -107,7 +109,7 @@ pub(crate) struct Hamiltonian {
     pub(crate) tokens: TokenStream,
     /// `[|q, p, k| ...; count]`: one noise or constraint per `k`, the closure's last parameter.
     pub(crate) family: Option<syn::Expr>,
-    /// The name of a first integral, `[name = |q, p| ...]`.
+    /// The name of a first integral or an observable, `[name = |q, p| ...]`.
     pub(crate) name: Option<Ident>,
 }
 
@@ -131,6 +133,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         clocked: Vec::new(),
         all_embeddings_known: false,
         ito: None,
+        export: None,
         crate_path: syn::parse_quote!(::wzvi),
         library: Library::default(),
     };
@@ -176,7 +179,7 @@ fn read_entry(declaration: &mut Declaration, key: Key, entry: &Entry, diagnostic
             let only = |input: ParseStream<'_>| Ok(vec![hamiltonian(input)?]);
             declaration.closures.extend(entry.closures(key, only, diagnostics));
         }
-        Key::Noise | Key::NoiseForce | Key::Invariant | Key::Constraint => {
+        Key::Noise | Key::NoiseForce | Key::Invariant | Key::Observe | Key::Constraint => {
             declaration.closures.extend(entry.closures(key, hamiltonian_list, diagnostics));
         }
         Key::Friction | Key::Damping if declaration.friction.is_some() => {
@@ -210,6 +213,7 @@ fn read_entry(declaration: &mut Declaration, key: Key, entry: &Entry, diagnostic
             declaration.all_embeddings_known = diagnostics.count() == before;
         }
         Key::Calculus => declaration.ito = diagnostics.accept(entry.parse(calculus)).flatten(),
+        Key::Export => declaration.export = entry.exported(diagnostics),
         Key::Crate => {
             let path = entry.parse(Path::parse_mod_style);
             let path = path.map_err(|_| messages::not_a_path(&entry.value));
@@ -253,7 +257,7 @@ impl Entry {
         if list.is_empty() {
             diagnostics.report(messages::empty_list(&self.value, &self.name));
         }
-        if key != Key::Invariant
+        if !key.has_names()
             && let Some(name) = list.iter().find_map(|hamiltonian| hamiltonian.name.as_ref())
         {
             diagnostics.report(messages::name_of_other(name));
@@ -261,6 +265,14 @@ impl Entry {
         list.retain(|closure| match &closure.family {
             Some(count) if key == Key::Invariant => {
                 diagnostics.report(messages::family_of_invariants(count));
+                false
+            }
+            Some(count) if key == Key::Observe => {
+                diagnostics.report(messages::family_of_observables(count));
+                false
+            }
+            _ if key == Key::Observe && closure.name.is_none() => {
+                diagnostics.report(messages::unnamed_observable(&closure.tokens));
                 false
             }
             _ => true,
@@ -275,6 +287,12 @@ impl Entry {
             diagnostics.report(messages::no_scheme(&self.value, &listed()));
         }
         embeddings::read_embeddings(schemes, diagnostics)
+    }
+
+    /// The schemes of `export = [...]`, which may be none.
+    fn exported(&self, diagnostics: &mut Diagnostics) -> Option<Vec<syn::Type>> {
+        let schemes = self.parse(type_list).map_err(|_| messages::not_exported(&self.value));
+        diagnostics.accept(schemes)
     }
 }
 
@@ -408,6 +426,15 @@ fn scheme_list(input: ParseStream<'_>) -> syn::Result<Vec<embeddings::DeclaredSc
     let content;
     syn::bracketed!(content in input);
     Ok(Punctuated::<embeddings::DeclaredScheme, Token![,]>::parse_terminated(&content)?.into_iter().collect())
+}
+
+fn type_list(input: ParseStream<'_>) -> syn::Result<Vec<syn::Type>> {
+    if !input.peek(token::Bracket) {
+        return Ok(vec![input.parse()?]);
+    }
+    let content;
+    syn::bracketed!(content in input);
+    Ok(Punctuated::<syn::Type, Token![,]>::parse_terminated(&content)?.into_iter().collect())
 }
 
 /// Splits at `, key =`, which no value contains at its top level.

@@ -29,7 +29,7 @@ use syn::visit::Visit;
 use syn::{Expr as Syntax, ReturnType};
 
 use crate::diagnostics::{Diagnostics, Extent, Located, expressions, messages};
-use crate::input::{Container, Declaration, DeclaredClock, Hamiltonian, Length, PhaseSpace, Shape};
+use crate::input::{Container, Declaration, DeclaredClock, Hamiltonian, Labels, Length, PhaseSpace, Shape};
 use crate::key::Key;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
@@ -66,6 +66,34 @@ fn check_names(container: &Container, declaration: &Declaration, diagnostics: &m
     }
 }
 
+/// Reports each observable with the name of another quantity of the system.
+fn check_observables(declaration: &Declaration, phase_space: &PhaseSpace, diagnostics: &mut Diagnostics) {
+    let mut known: Vec<(String, &str)> = Vec::new();
+    for (labels, one, all) in [
+        (&phase_space.labels[0], "a coordinate", "the coordinates"),
+        (&phase_space.labels[1], "a momentum", "the momenta"),
+    ] {
+        match labels {
+            Labels::Each(names) => known.extend(names.iter().map(|name| (name.clone(), one))),
+            Labels::Array(name, _) => known.push((name.clone(), all)),
+        }
+    }
+    known.extend([(phase_space.t.clone(), "the time"), ("energy".to_owned(), "the drift Hamiltonian")]);
+    let integrals =
+        declaration.of(Key::Invariant).enumerate().map(|(number, integral)| match &integral.name {
+            Some(name) => name.unraw().to_string(),
+            None => format!("invariant_{number}"),
+        });
+    known.extend(integrals.map(|name| (name, "a first integral")));
+    for name in declaration.of(Key::Observe).filter_map(|observable| observable.name.as_ref()) {
+        let text = name.unraw().to_string();
+        match known.iter().find(|(taken, _)| *taken == text) {
+            Some((_, of)) => diagnostics.report(messages::taken_name(name, of)),
+            None => known.push((text, "another observable")),
+        }
+    }
+}
+
 /// Lowers every closure. `None` only after an error was reported.
 pub(crate) fn lower(
     container: Container,
@@ -74,6 +102,12 @@ pub(crate) fn lower(
     diagnostics: &mut Diagnostics,
 ) -> Option<System> {
     check_names(&container, &declaration, diagnostics);
+    check_observables(&declaration, phase_space, diagnostics);
+    if declaration.export.is_some()
+        && let Some(lifetime) = container.item.generics.lifetimes().next()
+    {
+        diagnostics.report(messages::export_of_borrow(lifetime));
+    }
     let mut graph = Graph::new();
     let mut symbols = Symbols::new(phase_space.names.clone());
     symbols.declare_phase(&mut graph, &phase_space.q, &phase_space.p);
@@ -94,12 +128,15 @@ pub(crate) fn lower(
         declaration.of(Key::Constraint).map(|constraint| interpreter.family(constraint)).collect();
 
     let clock = declaration.clock.as_ref().map(|given| interpreter.clock(given, declaration.of(Key::Clock)));
+    // Last, so that what they read has no number before what moves the system.
+    let observables = interpreter.terms(declaration.of(Key::Observe));
 
     let Interpreter { mut graph, symbols, tables, parameters, space, naturals, untyped, .. } = interpreter;
     let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape, &untyped);
     let invariant_names = declaration
         .of(Key::Invariant)
         .map(|invariant| invariant.name.as_ref().map_or_else(String::new, |name| name.unraw().to_string()));
+    let observable_names = declaration.of(Key::Observe).filter_map(|observable| observable.name.as_ref());
     let noise: Vec<Vec<Noise>> = noise.into_iter().collect::<Option<_>>()?;
     let constraints: Vec<Vec<FamilyTerm>> = constraints.into_iter().collect::<Option<_>>()?;
     let parts = drift?;
@@ -136,6 +173,9 @@ pub(crate) fn lower(
         conversion: None,
         invariants: invariants?,
         invariant_names: invariant_names.collect(),
+        observables: observables?,
+        observable_names: observable_names.map(|name| name.unraw().to_string()).collect(),
+        first_observed: None,
         constraints: constraints.into_iter().flatten().collect(),
         embeddings: declaration.embeddings.into_iter().map(|(embedding, _)| embedding).collect(),
         clock: required(clock)?,

@@ -24,8 +24,8 @@ use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// Makes the elements of every term; reports terms that are not sums of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
-    let degrees = system.size.multiply(&Index::integer(system.components)).and_then(|all| all.as_integer());
-    let (mut writer, Terms { drift, noise, constraints, others, clock }) = unroller_and_terms(system);
+    let degrees = degrees_of(system);
+    let (mut writer, Terms { drift, noise, constraints, others, clock, .. }) = unroller_and_terms(system);
     let singles = drift.into_iter().chain(others).map(|term| (term, Vec::new()));
     let noise = noise.iter_mut().map(|noise| {
         let loops = members(noise.family.as_ref()).into_iter().collect();
@@ -47,16 +47,7 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
     }
     if let Some(term) = clock {
         // The pass on clocks takes the derivatives that are needed.
-        match writer.decompose(term.expression, &[], &mut term.values) {
-            None => diagnostics.report(expressions::nonlinear_sum(term.extent)),
-            Some(()) => {
-                if let Some(degrees) = degrees
-                    && let Some(index) = term.values.iter().find_map(|element| outside(element, degrees))
-                {
-                    diagnostics.report(expressions::index_outside(term.extent, index, degrees));
-                }
-            }
-        }
+        writer.collect_values(term, degrees, diagnostics);
     }
     let is_collective = |term: &&Term| term.values.iter().any(Element::is_collective);
     let noises = system.noise.iter().filter(|_| system.ito.is_some()).map(|noise| &noise.term);
@@ -68,6 +59,23 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
     for term in friction.chain(temperature).filter(is_collective) {
         diagnostics.report(expressions::collective_friction(term.extent));
     }
+}
+
+/// Makes the elements of the observables, for their values; reports those that are not sums of elements. It
+/// runs when the facts of the system are known, which thus depend on no observable.
+pub(crate) fn collect_observables(system: &mut System, diagnostics: &mut Diagnostics) {
+    let known = system.collectives.all().len();
+    let degrees = degrees_of(system);
+    let (mut writer, Terms { observables, .. }) = unroller_and_terms(system);
+    for term in observables {
+        writer.collect_values(term, degrees, diagnostics);
+    }
+    system.first_observed = system.collectives.all().get(known).map(|first| first.slot.number);
+}
+
+/// The degrees of freedom, if they are known.
+fn degrees_of(system: &System) -> Option<i128> {
+    system.size.multiply(&Index::integer(system.components))?.as_integer()
 }
 
 /// The elements of the drift with what acts beside it, and those of the noises, without changes to the
@@ -116,6 +124,17 @@ fn outside(element: &Element, degrees: i128) -> Option<i128> {
 }
 
 impl Unroller<'_> {
+    /// The elements of a term that needs no derivatives.
+    fn collect_values(&mut self, term: &mut Term, degrees: Option<i128>, diagnostics: &mut Diagnostics) {
+        if self.decompose(term.expression, &[], &mut term.values).is_none() {
+            diagnostics.report(expressions::nonlinear_sum(term.extent));
+        } else if let Some(degrees) = degrees
+            && let Some(index) = term.values.iter().find_map(|element| outside(element, degrees))
+        {
+            diagnostics.report(expressions::index_outside(term.extent, index, degrees));
+        }
+    }
+
     /// The elements of a Hamiltonian inside of `loops`.
     fn collect(&mut self, term: &mut Term, loops: &[Loop]) -> Option<()> {
         let mut values = Vec::new();

@@ -69,6 +69,7 @@ pub(super) struct Terms<'s> {
     pub(super) constraints: &'s mut Vec<FamilyTerm>,
     /// First integrals, force, friction, temperature.
     pub(super) others: Vec<&'s mut Term>,
+    pub(super) observables: &'s mut Vec<Term>,
     /// The clock, or the frequency in it.
     pub(super) clock: Option<&'s mut Term>,
 }
@@ -78,7 +79,8 @@ impl<'s> Terms<'s> {
     pub(super) fn all(self) -> impl Iterator<Item = &'s mut Term> {
         let noise = self.noise.iter_mut().map(|noise| &mut noise.term);
         let constraints = self.constraints.iter_mut().map(|constraint| &mut constraint.term);
-        self.drift.into_iter().chain(noise).chain(constraints).chain(self.others).chain(self.clock)
+        let all = self.drift.into_iter().chain(noise).chain(constraints).chain(self.others).chain(self.clock);
+        all.chain(self.observables)
     }
 }
 
@@ -97,6 +99,7 @@ pub(super) fn unroller_and_terms(system: &mut System) -> (Unroller<'_>, Terms<'_
         friction,
         temperature,
         invariants,
+        observables,
         constraints,
         clock,
         ..
@@ -112,14 +115,17 @@ pub(super) fn unroller_and_terms(system: &mut System) -> (Unroller<'_>, Terms<'_
             noise,
             constraints,
             others: others.collect(),
+            observables,
             clock: clock.as_mut().map(|clock| &mut clock.term),
         },
     )
 }
 
-/// Unrolls every loop and family; `false`, without changes, if that is impossible.
+/// Unrolls every loop and family; `false`, without changes, if that is impossible. Observables do not decide
+/// it: long ones keep their loops.
 fn unroll_all(system: &mut System) -> bool {
-    let (mut writer, Terms { drift, noise, constraints, others, clock }) = unroller_and_terms(system);
+    let (mut writer, Terms { drift, noise, constraints, others, observables, clock }) =
+        unroller_and_terms(system);
     let singles: Vec<&mut Term> = drift.into_iter().chain(others).chain(clock).collect();
     let Some(written) = writer.expressions(&singles) else { return false };
     let mut noises = Vec::with_capacity(noise.len());
@@ -135,6 +141,12 @@ fn unroll_all(system: &mut System) -> bool {
     (*noise, *constraints) = (noises, constraining);
     for (term, expression) in singles.into_iter().zip(written) {
         term.expression = expression;
+    }
+    for term in observables {
+        writer.spent = 0;
+        let written = writer.at(term.expression, &BTreeMap::new());
+        writer.spent = 0;
+        term.expression = written.unwrap_or_else(|| writer.without_short_sums(term.expression, OUTERMOST));
     }
     true
 }

@@ -16,7 +16,7 @@ use crate::ground::variables::Variables;
 use crate::increments::Interval;
 use crate::noise::StepNormals;
 use crate::scheme::poles;
-use crate::scheme::system::{Discretized, Scheme as _, SchemeOf, disequilibrium};
+use crate::scheme::system::{Discretized, Quantity, Scheme as _, SchemeOf, disequilibrium};
 use crate::statistics::{
     Crossings, Histogram, Passage, Passages, PathValues, RecordedNodes, Statistics, StatisticsNode,
 };
@@ -151,12 +151,15 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let (mut observables, mut own) = (setup.observables, more.own);
         if observables.is_empty() {
             observables = coordinates(start.q.components().len(), &system.variables());
-            own.push((
-                observables.len(),
-                Arc::new(|system: &H, state: &State<H::Vector>| system.energy(state)),
-            ));
             let name = free("energy", observables.0.iter().map(|(known, _)| known.as_str()));
-            observables.push(name, elsewhere);
+            let names = system.variables();
+            let declared = 0..system.observables();
+            let declared = declared.map(|i| (names.observable(i), Quantity::Observable(i)));
+            for (name, quantity) in [(name, Quantity::Energy)].into_iter().chain(declared) {
+                let value = move |system: &H, state: &State<H::Vector>| quantity.value(system, state);
+                own.push((observables.len(), Arc::new(value)));
+                observables.push(name, elsewhere);
+            }
         }
         let mut work = None;
         if more.wanted.has_work {
@@ -307,8 +310,8 @@ pub(super) fn observable(name: &str, names: &[String]) -> Result<usize, ConfigEr
     UnknownName::find("observable", name, names.iter().zip(0..)).or_else(|unknown| wrong(unknown.to_string()))
 }
 
-/// Coordinates and momenta by the names of the drift's closure, which are observed beside the energy if
-/// nothing is asked for.
+/// Coordinates and momenta by the names of the drift's closure. If nothing is asked for, they are observed
+/// beside the energy and the declared observables.
 fn coordinates<'a, V: Vector>(degrees: usize, variables: &Variables) -> Observables<'a, V> {
     let component = |i: usize| move |vector: &V| vector.components().get(i).copied().unwrap_or(f64::NAN);
     let mut all = Observables::default();

@@ -16,6 +16,8 @@ pub struct Variables {
     /// The names of the first integrals, in the order of `invariant`; empty for one without a name, and no
     /// entries where none has one.
     pub invariants: &'static [&'static str],
+    /// The names of the observables, in the order of `observe`.
+    pub observables: &'static [&'static str],
 }
 
 /// The names of the components of a vector.
@@ -36,14 +38,26 @@ impl Variables {
     /// `q`, `p` and `t`: the names of a system that gives none.
     pub const fn unnamed(degrees: usize) -> Self {
         match degrees {
-            1 => Self { q: Labels::Each(&["q"]), p: Labels::Each(&["p"]), t: "t", invariants: &[] },
+            1 => Self {
+                q: Labels::Each(&["q"]),
+                p: Labels::Each(&["p"]),
+                t: "t",
+                invariants: &[],
+                observables: &[],
+            },
             _ => Self {
                 q: Labels::Array { name: "q", inner: &[] },
                 p: Labels::Array { name: "p", inner: &[] },
                 t: "t",
                 invariants: &[],
+                observables: &[],
             },
         }
+    }
+
+    /// The name of an observable that the system declares; `observable_0` and so on if there is none.
+    pub fn observable(&self, index: usize) -> String {
+        self.observables.get(index).map_or_else(|| format!("observable_{index}"), |name| (*name).to_owned())
     }
 
     /// The name of a first integral, and `invariant_0` and so on for those without one.

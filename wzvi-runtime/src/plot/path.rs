@@ -122,6 +122,18 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         figure
     }
 
+    /// The observables that the system declares, `observe = [radius = |q, p| ..., ...]`, each under its name
+    /// against time.
+    pub fn observables<H: Hamiltonian<Vector = V>>(&self, system: &H) -> Figure {
+        let names = system.variables();
+        let mut figure = Figure::panel("Observables", self.path.variables().t, "");
+        for index in 0..system.observables() {
+            let points = self.path.iter().map(|state| (state.t, system.observable(index, state)));
+            figure = figure.line(names.observable(index), index, points);
+        }
+        figure
+    }
+
     /// The crossings of the sections of the run
     /// ([`Simulation::section`](crate::trajectory::simulate::Simulation::section)): momenta against
     /// coordinates of the first degree of freedom that is shown, with a colour for each section.

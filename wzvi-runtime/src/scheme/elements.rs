@@ -205,6 +205,11 @@ pub trait Elements: Sized {
         0
     }
 
+    /// As `Hamiltonian::observables`.
+    fn observables(&self) -> usize {
+        0
+    }
+
     /// As `Hamiltonian::manifold`.
     fn manifold(&self) -> Option<&dyn Manifold> {
         None

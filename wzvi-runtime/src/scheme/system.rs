@@ -3,6 +3,7 @@
 pub(crate) mod anew;
 pub(crate) mod by_dual_numbers;
 mod own;
+mod quantity;
 mod scheme;
 mod straight;
 
@@ -19,6 +20,7 @@ use crate::scheme::elements::InLoops;
 use crate::scheme::plan::Plan;
 
 pub use own::{OneStep, Own, Scratch, StepField};
+pub use quantity::Quantity;
 pub use scheme::varied;
 pub use scheme::{
     DEVIATIONS, LiftParameter, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, StepArguments,
@@ -151,7 +153,13 @@ pub trait Hamiltonian {
         0
     }
 
-    /// The names of coordinates, momenta and time in the closure of the drift: for tables and plots.
+    /// Number of observables that the system declares: `observe = [radius = |q, p| ..., ...]`.
+    fn observables(&self) -> usize {
+        0
+    }
+
+    /// The names of coordinates, momenta and time in the closure of the drift, of first integrals and of
+    /// observables: for tables and plots.
     fn variables(&self) -> Variables {
         Variables::unnamed(self.degrees())
     }
@@ -180,6 +188,14 @@ pub trait Hamiltonian {
 
     /// The value of first integral `index`, in the order of the attribute; NaN for one that does not exist.
     fn invariant(&self, index: usize, state: &State<Self::Vector>) -> f64 {
+        let _ = (index, state);
+        f64::NAN
+    }
+
+    /// The value of observable `index`, in the order of the attribute; NaN for one that does not exist.
+    ///
+    /// Its name is in [`Variables::observables`], and [`Quantity`] finds it by that.
+    fn observable(&self, index: usize, state: &State<Self::Vector>) -> f64 {
         let _ = (index, state);
         f64::NAN
     }

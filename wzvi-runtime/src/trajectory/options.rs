@@ -304,6 +304,17 @@ macro_rules! options {
             self.setup.observables.push(name.into(), observable);
             self
         }
+
+        /// Observes a quantity of the system of the path under this name. [`Quantity::named`] finds one by
+        /// its own name, such as that of an observable in `observe = [...]`.
+        ///
+        /// [`Quantity::named`]: crate::scheme::system::Quantity::named
+        pub fn observe_quantity(self, name: impl Into<String>, quantity: crate::scheme::system::Quantity) -> Self
+        where
+            H: Sync,
+        {
+            self.observe_own(name, move |system, state| quantity.value(system, state))
+        }
     };
     (@ temperatures) => {
         /// Observes `kinetic temperature`, `p · ∂H/∂p / d`, and `configurational temperature`,

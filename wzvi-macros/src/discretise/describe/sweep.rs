@@ -30,6 +30,7 @@ impl Named {
                 | Role::Friction
                 | Role::Temperature
                 | Role::Integral(_)
+                | Role::Observable(_)
                 | Role::Clock
                 | Role::ClockRate,
                 _,

@@ -1,5 +1,5 @@
 //! Terms beside the step Hamiltonian: the parts of `drift = [H_A, H_B]`, friction, temperature, first
-//! integrals. Tests: `tests/forces`.
+//! integrals, observables. Tests: `tests/forces`.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -52,6 +52,8 @@ fn terms(model: &mut System) -> Vec<(Role, Derivative, Sum)> {
         None => {}
     }
     all.extend(model.invariants.iter().enumerate().map(|(number, term)| value(Role::Integral(number), term)));
+    let observables = model.observables.iter().enumerate();
+    all.extend(observables.map(|(number, term)| value(Role::Observable(number), term)));
     if let Some(clock) = &model.clock {
         all.push(value(Role::Clock, &clock.term));
         all.push((Role::ClockRate, Derivative::Value, unweighted(&clock.rate)));
@@ -69,13 +71,15 @@ fn halves(model: &mut System) -> [Vec<Element>; 2] {
     [kinetic, potential]
 }
 
-/// The arms of these terms, weighted by the step size except for first integrals and clocks.
+/// The arms of these terms, weighted by the step size except for first integrals, observables and clocks.
 pub(super) fn arms(model: &mut System, derivative: Derivative) -> TokenStream {
     let weight = derivative.step_size(None);
     let terms = terms(model).into_iter().filter(|(_, known, _)| *known == derivative);
     let mut nests = ElementEmitter { model, derivative };
     let arms = terms.map(|(role, _, sum)| {
-        let weight = (!matches!(role, Role::Integral(_) | Role::Clock | Role::ClockRate)).then_some(&weight);
+        let is_unweighted =
+            matches!(role, Role::Integral(_) | Role::Observable(_) | Role::Clock | Role::ClockRate);
+        let weight = (!is_unweighted).then_some(&weight);
         arm(role, None, &nests.group(&sum, weight))
     });
     arms.collect()

@@ -18,10 +18,13 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     let model = &*model;
     let vector = vector_type(model);
     let noises = (!model.noise.is_empty()).then(|| number_of("noises", &noise_count(model)));
-    let invariants = match model.invariant_names.len() {
-        0 => None,
-        known => Some(number_of("invariants", &count(known).into_token_stream())),
-    };
+    let [invariants, observables] =
+        [("invariants", &model.invariant_names), ("observables", &model.observable_names)].map(
+            |(name, known)| {
+                let number = || number_of(name, &count(known.len()).into_token_stream());
+                (!known.is_empty()).then(number)
+            },
+        );
     let manifold = (!model.constraints.is_empty()).then(|| {
         quote! {
             fn manifold(&self) -> __wzvi::Option<&dyn __wzvi::constraints::Manifold> {
@@ -31,12 +34,13 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     });
     let parameter = parameter(&model.graph, model.listed());
     let validate = validate(model);
-    let variables = variables(&model.labels, model.graph.symbol_name(model.t), &model.invariant_names);
+    let variables = variables(model);
     quote! {
         type Vector = #vector;
         #noises
         #manifold
         #invariants
+        #observables
         #variables
         #parameter
         #friction
@@ -122,14 +126,16 @@ fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
 }
 
 /// The displayed names of the variables; the default of the trait where they agree.
-fn variables(labels: &[Labels; 2], t: &str, invariants: &[String]) -> Option<TokenStream> {
+fn variables(model: &System) -> Option<TokenStream> {
+    let System { labels, invariant_names: invariants, observable_names: observables, .. } = model;
+    let t = model.graph.symbol_name(model.t);
     let is_default = |labels: &Labels, name: &str| match labels {
         Labels::Each(names) => *names == [name],
         Labels::Array(array, inner) => array == name && inner.is_empty(),
     };
     let [q, p] = labels;
     let has_names = invariants.iter().any(|name| !name.is_empty());
-    if t == "t" && is_default(q, "q") && is_default(p, "p") && !has_names {
+    if t == "t" && is_default(q, "q") && is_default(p, "p") && !has_names && observables.is_empty() {
         return None;
     }
     let [q, p] = labels.each_ref().map(|labels| match labels {
@@ -142,7 +148,13 @@ fn variables(labels: &[Labels; 2], t: &str, invariants: &[String]) -> Option<Tok
     let invariants = invariants.iter().filter(|_| has_names);
     Some(quote! {
         fn variables(&self) -> __wzvi::Variables {
-            __wzvi::Variables { q: #q, p: #p, t: #t, invariants: &[#(#invariants),*] }
+            __wzvi::Variables {
+                q: #q,
+                p: #p,
+                t: #t,
+                invariants: &[#(#invariants),*],
+                observables: &[#(#observables),*],
+            }
         }
     })
 }

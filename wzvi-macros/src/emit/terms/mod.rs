@@ -259,6 +259,10 @@ fn role_path(role: Role) -> TokenStream {
             let number = count(number);
             quote!(Integral(#number))
         }
+        Role::Observable(number) => {
+            let number = count(number);
+            quote!(Observable(#number))
+        }
         Role::Clock => quote!(Clock),
         Role::ClockRate => quote!(ClockRate),
     };

@@ -21,7 +21,8 @@ pub(super) fn emit(system: &System) -> TokenStream {
     let mut places = Places { system, arms: BTreeMap::new() };
     let mut nests = TokenStream::new();
     let of_collectives = system.collectives.all().iter().flat_map(|known| &known.elements);
-    for element in system.terms().flat_map(|term: &Term| &term.values).chain(of_collectives) {
+    let terms = system.terms().chain(&system.observables);
+    for element in terms.flat_map(|term: &Term| &term.values).chain(of_collectives) {
         nests.extend(places.nest(element));
     }
     // Places have better names in errors.

@@ -118,7 +118,7 @@ pub(super) fn has_uniform_velocity(model: &System, roles: &[RoleElements]) -> bo
 
 /// The type for slopes in loops over neighbours: `f64` itself if only correctly rounded functions are called.
 pub(super) fn common_range(model: &System, roles: &[RoleElements]) -> TokenStream {
-    let of_collectives = model.collectives.all().iter().flat_map(|known| &known.elements);
+    let of_collectives = model.collectives_of_terms().flat_map(|known| &known.elements);
     let values: Vec<Expr> =
         elements(model, roles).chain(of_collectives).map(|element| element.value).collect();
     let reached = model.graph.reachable(&values);

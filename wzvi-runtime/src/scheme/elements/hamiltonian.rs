@@ -83,6 +83,10 @@ impl<H: Elements> Hamiltonian for H {
         Elements::invariants(self)
     }
 
+    fn observables(&self) -> usize {
+        Elements::observables(self)
+    }
+
     fn variables(&self) -> Variables {
         Elements::variables(self)
     }
@@ -156,10 +160,19 @@ impl<H: Elements> Hamiltonian for H {
     }
 
     fn invariant(&self, number: usize, state: &State<H::Vector>) -> f64 {
-        let (q, p) = (state.q.components(), state.p.components());
-        if number >= self.invariants() || !fits(self, q, p) {
-            return f64::NAN;
-        }
-        self.value(Role::Integral(number), 1.0, &EvaluationPoint::new([q, p], state.t, &[], &[]))
+        value_beside(self, Role::Integral(number), number < self.invariants(), state)
     }
+
+    fn observable(&self, number: usize, state: &State<H::Vector>) -> f64 {
+        value_beside(self, Role::Observable(number), number < self.observables(), state)
+    }
+}
+
+/// The value of what is declared beside the Hamiltonians; NaN if it is not, or the state does not fit.
+fn value_beside<H: Elements>(system: &H, role: Role, is_known: bool, state: &State<H::Vector>) -> f64 {
+    let (q, p) = (state.q.components(), state.p.components());
+    if !is_known || !fits(system, q, p) {
+        return f64::NAN;
+    }
+    system.value(role, 1.0, &EvaluationPoint::new([q, p], state.t, &[], &[]))
 }

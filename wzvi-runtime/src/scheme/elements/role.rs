@@ -20,6 +20,8 @@ pub enum Role {
     Temperature,
     /// A first integral, by its number in the list of the system: a value.
     Integral(usize),
+    /// An observable that the system declares, by its number in the list of the system: a value.
+    Observable(usize),
     /// The clock `Q(q, p, t)` of the system, the wanted step in units of `eps`: a value, and derivatives
     /// where a scheme extends the phase space by it.
     Clock,

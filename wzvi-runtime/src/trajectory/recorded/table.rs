@@ -19,6 +19,7 @@ use crate::scheme::system::Hamiltonian;
 /// | the observables | under their own names; `q_` if another column is called `q` | [`Trajectory::table`] |
 /// | `energy` | the drift Hamiltonian `H_0` | [`PathTable::energies`] |
 /// | `invariant_0`, ... | the proven first integrals, in the order of the attribute; under their names where they have some | [`PathTable::energies`] |
+/// | the observables of `observe = [...]` | under their names in the attribute | [`PathTable::energies`] |
 /// | `dw_0`, ... | the increment of each noise since the row before; 0 in the first row | [`PathTable::increments`] |
 ///
 /// All columns are real numbers.
@@ -51,12 +52,16 @@ impl<V: Vector, E> Trajectory<V, E> {
 }
 
 impl<V: Vector, E> PathTable<'_, V, E> {
-    /// Adds the drift Hamiltonian and the proven first integrals of the system at each node, in their own
-    /// units.
+    /// Adds the drift Hamiltonian, the proven first integrals and the declared observables of the system at
+    /// each node, in their own units.
     pub fn energies<H: Hamiltonian<Vector = V>>(mut self, system: &H) -> Self {
         self.push("energy", |state| system.energy(state));
+        let names = system.variables();
         for index in 0..system.invariants() {
-            self.push(&system.variables().invariant(index), |state| system.invariant(index, state));
+            self.push(&names.invariant(index), |state| system.invariant(index, state));
+        }
+        for index in 0..system.observables() {
+            self.push(&names.observable(index), |state| system.observable(index, state));
         }
         self
     }
