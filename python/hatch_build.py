@@ -111,17 +111,29 @@ def vendor(sources: Path, repository: Path) -> bool:
             print(f"crates of others are not in the package, and a first build downloads them: {done.stderr.strip()}")
             return False
         shutil.copy(home / "Cargo.lock", sources / "wzvi-system.lock")
+        tree = [cargo, "tree", "--offline", "--edges", "normal,build", "--target", "all", "--prefix", "none", "--no-dedupe"]
+        listed = subprocess.run(tree, cwd=home, env=environment, capture_output=True, text=True, check=True).stdout
+    # Lines are `name v1.2.3`, and folders `name-1.2.3`.
+    needed = {f"{line.split()[0]}-{line.split()[1][1:]}" for line in listed.splitlines() if line.strip()}
     for crate in (sources / "vendor").iterdir():
-        slim(crate)
+        slim(crate, is_needed=crate.name in needed)
     return True
 
 
-def slim(crate: Path) -> None:
-    """Leaves out what no build of a dependency reads."""
+def slim(crate: Path, is_needed: bool) -> None:
+    """Leaves out what no build of a dependency reads; of crates that cargo wants to see, but never compiles, all but the manifest."""
     listed = crate / ".cargo-checksum.json"
     checksums = json.loads(listed.read_text(encoding="utf-8"))
-    for name in ("tests", "benches", "examples", ".github", "ci", "fuzz"):
-        shutil.rmtree(crate / name, ignore_errors=True)
+    if is_needed:
+        for name in ("tests", "benches", "examples", ".github", "ci", "fuzz"):
+            shutil.rmtree(crate / name, ignore_errors=True)
+    else:
+        manifest = (crate / "Cargo.toml").read_bytes()
+        shutil.rmtree(crate)
+        (crate / "src").mkdir(parents=True)
+        (crate / "Cargo.toml").write_bytes(manifest)
+        (crate / "src" / "lib.rs").write_text("", encoding="utf-8")
+        checksums["files"] = {}
     left = {name: each for name, each in checksums["files"].items() if (crate / name).exists()}
     listed.write_text(json.dumps({"files": left, "package": checksums["package"]}), encoding="utf-8")
 

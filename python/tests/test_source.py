@@ -42,6 +42,8 @@ def test_every_line_of_the_user_keeps_its_place():
         ("embedding[0]", 1, "Verlet"),
         ("embedding[1]", 1, "Midpoint"),
         ("schemes", 1, "Composed<Verlet, KahanLi8>"),
+        ("parameters['a']", 1, "f64"),
+        ("parameters['gamma']", 1, "f64"),
     ]
     assert len(found.origins) == len(found.text.split("\n")) - 1
 
@@ -50,7 +52,7 @@ def test_the_text_of_a_crate():
     text = crate("drift = |q, p| q * p", parameters={"a": float}, doc="Two\nlines.", docs={"a": "A rate."}, items="const N: usize = 3;").text
     assert "#![forbid(unsafe_code)]" in text and "wzvi_c::export! { System }" in text
     assert "/// Two\n/// lines.\n#[hamiltonian(\ndrift = |q, p| q * p\n,\n" in text
-    assert "    /// A rate.\n    pub a: f64,\n" in text and text.index("const N") < text.index("#[hamiltonian(")
+    assert "    /// A rate.\n    pub a:\nf64\n,\n" in text and text.index("const N") < text.index("#[hamiltonian(")
 
 
 def test_two_parts_of_a_drift():
@@ -146,10 +148,11 @@ def test_messages_are_at_lines_of_the_user():
     def error(text, spans):
         return {"reason": "compiler-message", "message": {"level": "error", "message": text, "spans": spans, "children": [], "rendered": text}}
 
-    expanded = {**span(1, 1, 2), "file_name": "elsewhere.rs", "expansion": {"span": span(at + 1, 2, 3)}}
+    expanded = {**span(1, 1, 2), "file_name": "elsewhere.rs", "expansion": {"span": span(at + 1, 6, 7)}}
     messages = [
         error("no field or variable named `b`", [span(at + 1, 2, 3)]),
         error("no field or variable named `b`", [span(at + 1, 2, 3)]),
+        error("what follows", [span(at + 1, 2, 3)]),
         error("something about the macro", [expanded]),
         error("`System` is not `Exported`", [span(1, 1, 2)]),
         error("aborting due to 3 errors", []),
@@ -158,6 +161,6 @@ def test_messages_are_at_lines_of_the_user():
     assert isinstance(caught, wzvi.CompileError)
     assert [message[:5] for message in caught.messages] == [
         ("no field or variable named `b`", "drift", 2, 2, 1),
-        ("something about the macro", "drift", 2, 2, 1),
+        ("something about the macro", "drift", 2, 6, 1),
     ]
     assert "Exported" not in str(caught) and "    \tb * q\n    \t^" in str(caught)

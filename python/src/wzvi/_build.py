@@ -119,8 +119,8 @@ def key_of(crate: Crate, chosen: list[str], opt: int, units: int, fingerprint: s
 def build(crate: Crate, *, want: Iterable[str], opt: int, units: int, name: str, progress: Optional[bool], check: Callable[[Path], None]) -> Path:
     """The library of this crate: from the cache, or by cargo. `check` raises if a library of the cache does not load."""
     chosen = features(want)
-    found = sources()
     folder = _cache.folder()
+    found = sources()
     finished = folder / f"{key_of(crate, chosen, opt, units, found.fingerprint)}{_cache.SUFFIX}"
     if finished.exists():
         try:
@@ -355,50 +355,71 @@ def failure(messages: list[dict[str, Any]], said: str, crate: Crate, folder: Pat
     if re.search(r"requires rustc|is not supported by the following package", said) and "rustc" in said:
         return Error(f"{OLD_RUST.format(found='on this machine')}\n\n{said.strip()}")
     lines = crate.text.split("\n")
-    parts: list[tuple[bool, str]] = []
-    found: list[Message] = []
+    parts: list[tuple[list[Message], str]] = []
+    seen: set[tuple[Any, ...]] = set()
     for message in errors:
         text, places = _placed(message, lines, crate.origins)
-        if (bool(places), text) not in parts:
-            parts.append((bool(places), text))
-            found += places
-    # What follows from a mistake of the user, but is at no line of his, is no news.
-    if any(has_place for has_place, _ in parts):
+        # What is said again of the same place, and again of no place at all, is no news.
+        key = places[0][1:4] if places else ()
+        if key not in seen:
+            seen.add(key)
+            parts.append((places, text))
+    # Nor is what follows from a mistake of the user, but is at no line of his.
+    if any(places for places, _ in parts):
         parts = [each for each in parts if each[0]]
     if not parts:
         return Error(f"cargo failed:\n{said.strip()}")
-    if not found:
-        found = [Message(message["message"], None, None, None, None) for message in errors]
+    found = [place for places, _ in parts for place in places] or [Message(errors[0]["message"], None, None, None, None)]
     return CompileError("\n\n".join(text for _, text in parts), found)
+
+
+#: Notes of the compiler on its own types.
+_NOTES = ("required for", "required by", "redundant requirement", "full name for the type", "consider using `--verbose`", "for that trait implementation", "the trait `")
 
 
 def _placed(message: Mapping[str, Any], lines: list[str], origins: tuple[Origin, ...]) -> tuple[str, list[Message]]:
     text: str = message["message"]
-    part, places = [text], []
-    spans = sorted(message["spans"], key=lambda span: not span["is_primary"])
-    for span in spans:
+    part, places = [], []
+
+    def add(at: int, column: int, width: int, mark: str, label: Optional[str]) -> None:
+        origin = origins[at]
+        term = f", the term `{origin.term}`" if origin.term else ""
+        part.extend([f"  --> {origin.argument}, line {origin.line}{term}", pointed(lines[at], column, width, mark, label or "")])
+        if mark == "^" or not places:
+            places.append(Message(text, origin.argument, origin.line, column, width, label, origin.term))
+
+    for span in sorted(message["spans"], key=lambda span: not span["is_primary"]):
         span = outermost(span)
         at = span["line_start"] - 1
         if not span["file_name"].endswith("lib.rs") or at >= len(origins) or origins[at].argument is None:
             continue
-        origin = origins[at]
-        column = span["column_start"]
         end = span["column_end"] if span["line_end"] == span["line_start"] else len(lines[at]) + 1
-        width = max(end - column, 1)
-        mark, label = ("^" if span["is_primary"] else "-"), span.get("label")
-        term = f", the term `{origin.term}`" if origin.term else ""
-        part += [f"  --> {origin.argument}, line {origin.line}{term}", pointed(lines[at], column, width, mark, label or "")]
-        if span["is_primary"] or not places:
-            places.append(Message(text, origin.argument, origin.line, column, width, label, origin.term))
+        add(at, span["column_start"], max(end - span["column_start"], 1), "^" if span["is_primary"] else "-", span.get("label"))
+    if not places:
+        at_scheme = _scheme_of(message, lines, origins)
+        if at_scheme is not None:
+            add(at_scheme, 1, len(lines[at_scheme]), "^", None)
     for child in message["children"]:
-        if not child["spans"]:
-            part.append(f"  = {child['level']}: {child['message']}")
-        else:
-            # Help that belongs to a place, and what to write there.
-            replaced = [span["suggested_replacement"] for span in child["spans"] if span.get("suggested_replacement")]
-            hint = f": `{replaced[0]}`" if len(replaced) == 1 else ""
-            part.append(f"  = {child['level']}: {child['message']}{hint}")
-    return "\n".join(part), places
+        if any(note in child["message"] for note in _NOTES):
+            continue
+        # Help may say what to write at a place.
+        replaced = [span["suggested_replacement"] for span in child["spans"] if span.get("suggested_replacement")]
+        hint = f": `{replaced[0]}`" if len(replaced) == 1 else ""
+        part.append(f"  = {child['level']}: {child['message']}{hint}")
+    return "\n".join([text, *part]), places
+
+
+def _scheme_of(message: Mapping[str, Any], lines: list[str], origins: tuple[Origin, ...]) -> Optional[int]:
+    """The line of a further scheme that does not exist for the system: rustc finds it where the library is put together."""
+
+    def plain(text: str) -> str:
+        return re.sub(r"\w+::|\s", "", text)
+
+    said = plain(" ".join([message["message"], *(child["message"] for child in message["children"])]))
+    for at, origin in enumerate(origins):
+        if origin.argument and origin.argument.startswith("schemes") and f"Discretized<{plain(lines[at])}>" in said:
+            return at
+    return None
 
 
 def outermost(span: dict[str, Any]) -> dict[str, Any]:

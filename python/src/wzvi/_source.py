@@ -244,7 +244,9 @@ def source(
     for field, of in parameters.items():
         if field_docs and field in field_docs:
             write.own(_documentation(field_docs[field], "    "))
-        write.own(f"    pub {identifier(field, 'parameters')}: {rust_type(field, of)},")
+        write.own(f"    pub {identifier(field, 'parameters')}:")
+        write.user(rust_type(field, of), f"parameters[{field!r}]")
+        write.own(",")
     write.own("}")
     write.own(f"wzvi_c::export! {{ {name} }}")
     return Crate("\n".join(write.lines) + "\n", tuple(write.origins))

@@ -92,7 +92,7 @@ class System:
             (each["key"], each["text"]) if isinstance(each, Mapping) else (each[0], each[1]) for each in description.get("closures", ())
         ]
         self._kinds = {name: _FieldType(of) for name, of in self.parameters.items()}
-        fields = "\n".join(f"    {each['name']}: {each['type']}. {each['doc']}".rstrip(". ") for each in description["fields"])
+        fields = "\n".join(f"    {each['name']}: {each['type']}. {each['doc']}".rstrip() for each in description["fields"])
         self.__doc__ = f"{description['doc']}\n\nParameters:\n{fields}" if fields else description["doc"]
         if all(name.isidentifier() for name in self.parameters):
             kind = inspect.Parameter.KEYWORD_ONLY
