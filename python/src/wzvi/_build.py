@@ -379,7 +379,8 @@ _NOTES = ("required for", "required by", "redundant requirement", "full name for
 
 def _placed(message: Mapping[str, Any], lines: list[str], origins: tuple[Origin, ...]) -> tuple[str, list[Message]]:
     text: str = message["message"]
-    part, places = [], []
+    part: list[str] = []
+    places: list[Message] = []
 
     def add(at: int, column: int, width: int, mark: str, label: Optional[str]) -> None:
         origin = origins[at]

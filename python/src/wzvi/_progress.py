@@ -51,14 +51,16 @@ class RunLine:
 
     def __init__(self, unit: str) -> None:
         self.line, self.unit, self.began, self.last = Line(), unit, time.monotonic(), 0.0
+        self.is_over = False
 
     def __call__(self, done: int, total: int) -> None:
         now = time.monotonic()
         if now - self.last < 0.1 and done < total:
             return
         self.last = now
-        if total <= 0:
+        if total <= 0 or self.is_over:
             return
+        self.is_over = done >= total
         part = min(done / total, 1.0)
         took = now - self.began
         left = f", {duration(took * (1 - part) / part)} left" if 0.0 < part < 1.0 else f", {duration(took)}" if part == 1.0 else ""

@@ -281,7 +281,7 @@ class Printer:
 
 def float_is(value: Any) -> bool:
     """Whether a fraction is a number of a few binary digits, such as 0.375, whose decimals are exact and short."""
-    return value.q & (value.q - 1) == 0 and value.q <= 1024 and abs(value.p) < 1 << 40
+    return bool(value.q & (value.q - 1) == 0 and value.q <= 1024 and abs(value.p) < 1 << 40)
 
 
 class Translation:
