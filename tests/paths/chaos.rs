@@ -216,6 +216,7 @@ fn runs_with_deviations_are_watched_and_stopped() {
     handle.stop();
     assert!(matches!(run(1 << 40).handle(&handle).lyapunov(), Err(wzvi::Error::Stopped(_))));
     assert!(matches!(run(1 << 40).handle(&handle).indicators(), Err(wzvi::Error::Stopped(_))));
+    assert!(matches!(run(1 << 40).handle(&handle).tangent(), Err(wzvi::Error::Stopped(_))));
     assert!(matches!(run(1 << 40).stop_when(|| true).copies(2).lyapunov(), Err(wzvi::Error::Stopped(_))));
     // Nobody stops it.
     let handle = Handle::new();

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use wzvi::embedding::{Composed, KahanLi8};
 use wzvi::error::ConfigError;
-use wzvi::exported::{Exported, Field, Fields, Given, Numbers};
+use wzvi::exported::{Exported, Field, Fields, Given, GivenNumbers};
 use wzvi::prelude::*;
 
 /// A pendulum of length `length`.
@@ -86,10 +86,10 @@ impl Values {
 impl Fields for Values {
     fn given(&self, name: &str) -> Option<Given<'_>> {
         if let Some((values, shape)) = self.reals.get(name) {
-            return Some(Given { values: Numbers::Reals(values), shape });
+            return Some(Given { values: GivenNumbers::Reals(values), shape });
         }
         let (values, shape) = self.integers.get(name)?;
-        Some(Given { values: Numbers::Integers(values), shape })
+        Some(Given { values: GivenNumbers::Integers(values), shape })
     }
 }
 
@@ -98,9 +98,9 @@ fn systems_describe_themselves() {
     assert_eq!(Pendulum::NAME, "Pendulum");
     assert_eq!(Pendulum::DOC, "A pendulum of length `length`.\n\nIts drive is switched by a field.");
     let fields = [
-        Field { name: "omega", ty: "f64", doc: "The frequency of small swings,\nin 1/time." },
-        Field { name: "sigma", ty: "f64", doc: "" },
-        Field { name: "kt", ty: "f64", doc: "`kT`" },
+        FieldDescription { name: "omega", ty: "f64", doc: "The frequency of small swings,\nin 1/time." },
+        FieldDescription { name: "sigma", ty: "f64", doc: "" },
+        FieldDescription { name: "kt", ty: "f64", doc: "`kT`" },
     ];
     assert_eq!(Pendulum::FIELDS, fields);
     let closures = [

@@ -141,11 +141,7 @@ fn settings_of_no_use_are_refused_in_few_words() {
 #[test]
 fn a_tangent_takes_what_was_said_or_refuses_it() {
     let run = || STILL.simulate::<Midpoint>(0.1).start(start()).noise(Wiener::seed(1)).until(1.0);
-    let handle = Handle::new();
-    handle.stop();
     for (asked, what) in [
-        (run().handle(&handle), "`handle`"),
-        (run().stop_when(|| true), "`stop_when`"),
         (run().section(|state| state.q[0]), "`section`"),
         (run().observe("q", |state| state.q[0]), "`observe`"),
         (run().record_at([0.5]), "`record_at`"),

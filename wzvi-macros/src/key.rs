@@ -47,7 +47,7 @@ keys! {
     Constraint = "constraint",
     /// The wanted length of a step, up to a factor: a function of the state, or how it is derived.
     Clock = "clock",
-    /// What programs in other languages have to know of the system, and schemes for these.
+    /// Schemes beside the embeddings, for programs in other languages.
     Export = "export",
     /// The path of the facade.
     Crate = "crate",

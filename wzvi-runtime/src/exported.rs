@@ -14,7 +14,7 @@ pub trait Exported: Hamiltonian + Sized {
     /// Its documentation, line by line.
     const DOC: &'static str;
     /// Its fields, in the order of the struct.
-    const FIELDS: &'static [Field];
+    const FIELDS: &'static [FieldDescription];
     /// The closures of the attribute, each with its key, as they were written.
     const CLOSURES: &'static [(&'static str, &'static str)];
     /// The names of its schemes, as they were written, in the order of [`Exported::Schemes`].
@@ -31,7 +31,7 @@ pub trait Exported: Hamiltonian + Sized {
 
 /// A field of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Field {
+pub struct FieldDescription {
     /// Its name, a number in a tuple struct.
     pub name: &'static str,
     /// Its type, as it was written.
@@ -40,18 +40,18 @@ pub struct Field {
     pub doc: &'static str,
 }
 
-/// Numbers in the shape of an array, the last index fastest. A single number has no axes.
+/// GivenNumbers in the shape of an array, the last index fastest. A single number has no axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Given<'g> {
     /// The numbers, as many as the product of the lengths.
-    pub values: Numbers<'g>,
+    pub values: GivenNumbers<'g>,
     /// The length of each axis.
     pub shape: &'g [usize],
 }
 
 /// Real numbers or integers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Numbers<'g> {
+pub enum GivenNumbers<'g> {
     /// Real numbers.
     Reals(&'g [f64]),
     /// Integers.
@@ -94,8 +94,8 @@ impl<'g> Given<'g> {
     /// A single number, if it has no axes.
     fn single(&self) -> Option<Number> {
         match (self.values, self.shape) {
-            (Numbers::Reals(&[value]), []) => Some(Number::Real(value)),
-            (Numbers::Integers(&[value]), []) => Some(Number::Integer(value)),
+            (GivenNumbers::Reals(&[value]), []) => Some(Number::Real(value)),
+            (GivenNumbers::Integers(&[value]), []) => Some(Number::Integer(value)),
             _ => None,
         }
     }
@@ -107,8 +107,8 @@ impl<'g> Given<'g> {
         let start = index.checked_mul(size)?;
         let range = start..start.checked_add(size)?;
         let values = match self.values {
-            Numbers::Reals(values) => Numbers::Reals(values.get(range)?),
-            Numbers::Integers(values) => Numbers::Integers(values.get(range)?),
+            GivenNumbers::Reals(values) => GivenNumbers::Reals(values.get(range)?),
+            GivenNumbers::Integers(values) => GivenNumbers::Integers(values.get(range)?),
         };
         (index < length).then_some(Given { values, shape })
     }

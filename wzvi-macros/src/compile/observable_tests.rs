@@ -1,5 +1,5 @@
-//! Observables change nothing but the values that they add: the golden systems expand to the same steps, facts
-//! and text with and without them.
+//! Observables change nothing but the values that they add: the golden systems expand to the same steps,
+//! facts and text with and without them.
 
 #![allow(clippy::unwrap_used)]
 
@@ -75,4 +75,13 @@ fn observables_leave_steps_facts_and_text_as_they_are() {
         }
         assert_eq!(with.len(), without.len(), "{name}");
     }
+}
+
+#[test]
+fn long_observables_keep_their_loops_beside_straight_lines() {
+    let (attribute, item) =
+        ("drift = |q, p| 0.5 * p * p - q.cos(), embedding = Midpoint", "struct Pendulum;");
+    let long = "(0..100_000).map(|k| (q * k as f64).cos()).sum::<f64>().abs()";
+    let observed = format!("{attribute}, observe = [long = |q, _| {long}]");
+    assert_eq!(parts(attribute, item), parts(&observed, item));
 }

@@ -35,16 +35,18 @@ pub(crate) fn emit(item: &syn::ItemStruct, declaration: &Declaration) -> Option<
     let fields: Vec<FieldOfSystem> =
         item.fields.members().zip(&item.fields).map(FieldOfSystem::new).collect();
     let described = fields.iter().map(|FieldOfSystem { conditions, name, ty, doc, .. }| {
-        quote!(#(#conditions)* #exported::Field { name: #name, ty: #ty, doc: #doc })
+        quote!(#(#conditions)* #exported::FieldDescription { name: #name, ty: #ty, doc: #doc })
     });
-    let given = fields.iter().map(|FieldOfSystem { conditions, member, name, .. }| {
-        quote!(#(#conditions)* #member: #exported::field(__fields, #name)?)
+    let types = item.fields.iter().map(|field| &field.ty);
+    // With its type, at which `rustc` says that numbers make no such value.
+    let given = fields.iter().zip(types).map(|(FieldOfSystem { conditions, member, name, .. }, ty)| {
+        quote!(#(#conditions)* #member: #exported::field::<#ty>(__fields, #name)?)
     });
     let str = quote!(&'static ::core::primitive::str);
     let body = quote! {
         const NAME: #str = #name;
         const DOC: #str = #doc;
-        const FIELDS: &'static [#exported::Field] = &[#(#described),*];
+        const FIELDS: &'static [#exported::FieldDescription] = &[#(#described),*];
         const CLOSURES: &'static [(#str, #str)] = &[#(#closures),*];
         const SCHEMES: &'static [#str] = &[#(#scheme_names),*];
         type Schemes = #list;

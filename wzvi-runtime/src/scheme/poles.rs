@@ -233,6 +233,14 @@ impl QuadraticNoise {
             if !rates.iter().all(|rate| rate.is_finite()) {
                 return f64::INFINITY;
             }
+            // The largest rate is between 1 and 2 in units of `unit`; what is nothing beside it, is zero. Balancing
+            // does not end where numbers overflow or underflow.
+            let unit =
+                f64::from_bits(rates.amax().to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE);
+            rates.apply(|rate| {
+                let scaled = *rate / unit;
+                *rate = if scaled.abs() < NOTHING { 0.0 } else { scaled };
+            });
             // Coordinates and momenta in units of like size.
             balance_parlett_reinsch(&mut rates);
             let size = rates.amax();
@@ -243,11 +251,15 @@ impl QuadraticNoise {
             let real =
                 eigenvalues.iter().filter(|rate| rate.im.abs() <= 1e-7 * size).map(|rate| rate.re.abs());
             // Below that root, an eigenvalue of a nilpotent matrix is zero.
-            real.filter(|rate| *rate > 1e-7 * size).fold(0.0, f64::max).recip()
+            let largest = real.filter(|rate| *rate > 1e-7 * size).fold(0.0, f64::max);
+            (largest * unit).recip()
         };
         self.of.iter().map(of_part).fold(f64::INFINITY, f64::min)
     }
 }
+
+/// A rate beside 1 that has no influence: its products with others underflow.
+const NOTHING: f64 = 1e-150;
 
 #[cfg(test)]
 mod tests {
@@ -303,6 +315,38 @@ mod tests {
                 let noise = QuadraticNoise::of(1, 0, Poles::at(0.5), curvature).unwrap();
                 let found = noise.pole(h);
                 assert!(found == exact || (found / exact - 1.0).abs() < 1e-12, "{omega}: {found} {exact}");
+            }
+        }
+    }
+
+    /// Rates of any size, as of parameters in any units: the search ends, and the pole of `s q p` is `2/s`.
+    #[test]
+    fn poles_of_extreme_rates_are_found() {
+        let hessian = |of: [[f64; 2]; 2]| {
+            move |direction: &dyn Fn(usize) -> f64, into: &mut [f64]| {
+                into.iter_mut()
+                    .zip(of)
+                    .for_each(|(into, row)| *into = row[0] * direction(0) + row[1] * direction(1));
+            }
+        };
+        let pole = |noise: [[f64; 2]; 2], mass: f64, stiffness: f64| {
+            let drift = hessian([[stiffness, 0.0], [0.0, mass.recip()]]);
+            let noise = hessian(noise);
+            let curvature: HessianOf<'_> = &|term, _, direction, into| {
+                if term == 0 { drift(direction, into) } else { noise(direction, into) }
+            };
+            // Second derivatives beyond all numbers have none.
+            QuadraticNoise::of(1, 0, Poles::at(0.5), curvature).map(|noise| noise.pole(1e-3))
+        };
+        let sizes = [1e-320, 1e-300, 1e-155, 1e-9, 1.0, 1e9, 1e155, 1e300];
+        let all = sizes.into_iter().flat_map(|s| sizes.map(|mass| (s, mass)));
+        for (s, mass, stiffness) in all.flat_map(|(s, mass)| sizes.map(|stiffness| (s, mass, stiffness))) {
+            assert!(!pole([[s, 0.0], [0.0, s]], mass, stiffness).is_some_and(f64::is_nan), "{s:e} {mass:e}");
+            let Some(found) = pole([[0.0, s], [s, 0.0]], mass, stiffness) else { continue };
+            assert!(!found.is_nan(), "{s:e} {mass:e} {stiffness:e}");
+            // Without the drift, up to its rounding, and where products of matrix entries do not underflow.
+            if stiffness / mass * 1e-6 < 1e-16 && stiffness < 1e100 && mass > 1e-100 && s > 1e-307 {
+                assert!((found / (2.0 / s) - 1.0).abs() < 1e-12, "{s:e} {mass:e} {stiffness:e}: {found:e}");
             }
         }
     }

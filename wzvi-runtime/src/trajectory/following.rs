@@ -139,7 +139,7 @@ struct FoundCrossing {
     direction: Direction,
     /// The time of the crossing on the polynomial.
     t: f64,
-    /// What is added to the function there.
+    /// The offset of the function there.
     offset: f64,
 }
 

@@ -194,7 +194,7 @@ impl<V: Vector> Crossing<V> {
 struct SectionSearch<'s, V> {
     dense: &'s DenseOutput<V>,
     value: &'s dyn Fn(&State<V>) -> f64,
-    /// What is added to the function in the part of the step that is searched.
+    /// The offset of the function in the part of the step that is searched.
     offset: f64,
     room: &'s mut State<V>,
 }

@@ -1,5 +1,5 @@
-//! Expressions on one line, spaced as `rustfmt` does, from their tokens alone: the tokens of an attribute keep
-//! neither their spaces nor their lines.
+//! Expressions on one line, spaced as `rustfmt` does, from their tokens alone: the tokens of an attribute
+//! keep neither their spaces nor their lines.
 
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
@@ -20,8 +20,8 @@ pub(super) fn one_line(tokens: &TokenStream) -> String {
     line.text
 }
 
-/// What a line ends with: it decides whether a space follows, and whether the next operator has an operand on
-/// its left.
+/// The end of a line: it decides whether a space follows, and whether the next operator has an operand on its
+/// left.
 #[derive(Clone, Copy, PartialEq)]
 enum End {
     /// An opening bracket, an operator in front of its operand, or the dot of a method: no space follows.

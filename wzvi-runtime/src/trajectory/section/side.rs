@@ -13,7 +13,7 @@ pub(crate) struct SignSide<P> {
     pub(super) sign: f64,
     /// The first point since then at which the value was zero.
     pub(super) touched: Option<P>,
-    /// What is added to the function until it is larger than this on its side: where a path goes on from a
+    /// The number added to the function until it is larger than this on its side: where a path goes on from a
     /// zero of the function, its rounding is no crossing.
     offset: f64,
 }
@@ -48,7 +48,7 @@ impl<P> SignSide<P> {
         Self { offset, ..Self::at(value + offset) }
     }
 
-    /// What is added to the function.
+    /// The number added to the function.
     pub(crate) fn offset(&self) -> f64 {
         self.offset
     }

@@ -98,7 +98,7 @@ where
     ///
     /// # Errors
     /// The errors of [`Simulation::run`]; [`ConfigError::Setting`] for settings without meaning here:
-    /// observables, sections, recorded nodes, a checkpoint, and what would stop the run.
+    /// observables, sections, recorded nodes, a checkpoint. [`Error::Stopped`] where it was stopped.
     /// [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do
     /// not do that, end elsewhere. [`DerivativeError`] where the derivatives by one variable of the start are
     /// out of the range of `f64`, as after a long run with friction or of a chaotic system: it has the
@@ -133,7 +133,7 @@ where
     }
 
     fn varied(self, parameters: Option<&[&str]>) -> Result<Tangent<H::Vector>, Error> {
-        let bare = self.bare("tangent", false)?;
+        let bare = self.bare("tangent", true)?;
         let degrees = bare.start.q.components().len();
         let mut varied = TangentRun::<H, E>::new(bare.system, bare.h, &bare.start, parameters)?;
         let mut steps = 0;
