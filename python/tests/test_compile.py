@@ -121,7 +121,6 @@ def test_a_process_that_is_killed_leaves_a_cache_that_works(system):
     second = python(text)
     out, err = second.communicate()
     assert second.returncode == 0 and os.path.exists(out.strip()), err
-    assert not [each for each in os.listdir(os.environ["WZVI_CACHE"]) if each.startswith("crate-") and each in out]
 
 
 @pytest.mark.slow
@@ -165,7 +164,7 @@ def test_systems_of_all_kinds(system):
     assert path.q.shape == (101, 3) and list(path.columns())[1] == "q[0]"
     clocked = wzvi.compile(
         "|[x, y], [px, py]| 0.5 * (px * px + py * py) - k / (x * x + y * y).sqrt()", clock="curvature", embedding="Clocked<Verlet>",
-        parameters={"k": float}, name="Clocked", want="path",
+        parameters={"k": float}, name="Orbit", want="path",
     )  # fmt: skip
     path = clocked(k=1.0).simulate("Clocked<Verlet>", eps=0.1, q=[0.1, 0.0], p=[0.0, 19.0**0.5], until=6.0)
     assert "intervals.h" in path and path["intervals.h"].min() < 0.1 * path["intervals.h"].max()

@@ -52,4 +52,4 @@ def test_a_notebook_shows_equations_and_progress(cache, tmp_path, monkeypatch):
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     html = "".join(output["data"].get("text/html", "") for output in outputs if "data" in output)
     text = "".join(output["data"].get("text/plain", "") for output in outputs if "data" in output)
-    assert "Discrete" in html and "Rate of friction" in html and "<table>" in html and "100.0 % of 20000 paths" in text
+    assert "kick of h/2" in html and "Rate of friction" in html and "<table>" in html and "100.0 % of 20000 paths" in text

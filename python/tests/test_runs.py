@@ -34,14 +34,27 @@ def test_bits_of_the_readme(kubo):
     assert np.abs(path.energy - path.energy[0]).max() < 1e-13
 
 
-def test_bits_of_the_rust_program(kubo):
+def test_bits_of_the_rust_program():
+    """`cargo build --release -p wzvi-c --features chaos --examples`, and WZVI_BITS=target/release/examples/bits."""
     program = os.environ.get("WZVI_BITS")
     if not program:
-        pytest.skip("WZVI_BITS is the example `bits` of wzvi-c")
-    said = subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
-    expected = {int(each, 16) for each in said if len(each) >= 16 and all(c in "0123456789abcdefx" for c in each.lower())}
-    path = kubo.simulate("Midpoint", until=2.0, noise="wiener", seed=3, **RUN)
-    assert int(path.q[-1].view(np.uint64)[0]) in expected
+        pytest.skip("WZVI_BITS is the example `bits` of wzvi-c, with the library of the example `systems` beside it")
+    expected = [int(each, 16) for each in subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()]
+    name = {"darwin": "libsystems.dylib", "win32": "systems.dll"}.get(sys.platform, "libsystems.so")
+    library = wzvi.load(os.path.join(os.path.dirname(program), name))
+    kubo = library.Kubo(a=1.5, sigma=1.0)
+    path = kubo.simulate("Midpoint", until=2.0, noise="wiener", seed=7, **RUN)
+    arrays = [path.q, path.p]
+    for threads in (1, 2, 3):
+        many = kubo.ensemble("Midpoint", until=2.0, paths=3000, seed=7, threads=threads, observe=["q", "radius"], **RUN)
+        arrays += [many.mean, many.error]
+    path = library.Pendulum(g=9.81).simulate("Midpoint", h=0.01, q=2.0, p=0.0, until=10.0)
+    arrays += [path.q, path.p]
+    network = library.Network(k=2.0, springs=[[0, 1], [1, 2], [2, 3], [3, 0]])
+    path = network.simulate("Verlet", h=0.05, q=[1.0, 0.0, 0.0, 0.0], p=[0.0, 0.0, 0.0, 0.5], until=5.0)
+    arrays += [path.q, path.p]
+    got = np.concatenate([array.ravel() for array in arrays]).view(np.uint64)
+    assert got.tolist() == expected
 
 
 def test_given_increments_are_those_that_come_back(kubo):

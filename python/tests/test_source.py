@@ -99,6 +99,11 @@ def test_names_and_types_are_names_and_types(keys):
         wzvi.compile("|q, p| q * p", embedding="Midpoint", **keys)
 
 
+def test_a_system_that_is_named_as_its_scheme():
+    with pytest.raises(ValueError, match="'Clocked' is a scheme"):
+        wzvi.compile("|q, p| q * p", embedding="Clocked<Verlet>", name="Clocked")
+
+
 @pytest.mark.parametrize("name", ["A {} fn b() {", "type", "", "1a"])
 def test_names_of_systems(name):
     with pytest.raises(ValueError, match="name"):

@@ -208,6 +208,9 @@ def source(
 ) -> Crate:
     """The crate of a system."""
     identifier(name, "name")
+    for each in [*listed(embedding), *listed(schemes)]:
+        if isinstance(each, str) and re.search(rf"\b{name}\b", each):
+            raise ValueError(f"name: {name!r} is a scheme of this system: take another name")
     write = Writer()
     write.own("#![forbid(unsafe_code)]\n#![allow(unused, non_snake_case, non_camel_case_types, uncommon_codepoints, confusable_idents)]")
     write.own("use wzvi::prelude::*;")
