@@ -154,6 +154,10 @@ def test_systems_of_all_kinds(system):
     path = kepler(k=1.0).simulate("Composed<Verlet, KahanLi8>", h=0.1, q=[1.0, 0.0], p=[0.0, 1.0], until=2 * np.pi, observe=["r"])
     assert abs(path.q[-1, 0] - 1.0) < 1e-5 and np.abs(path["invariant.momentum"] - 1.0).max() < 1e-13
     assert list(path.columns()) == ["t", "x", "y", "px", "py", "energy", "momentum", "r"]
+    with pytest.raises(wzvi.RunError, match="want=.*'ensemble'"):
+        kepler(k=1.0).ensemble("Verlet", h=0.1, q=[1.0, 0.0], p=[0.0, 1.0], until=1.0, paths=10)
+    with pytest.raises(wzvi.RunError, match="want=.*'chaos'"):
+        kepler(k=1.0).lyapunov("Verlet", h=0.1, q=[1.0, 0.0], p=[0.0, 1.0], until=1.0)
     driven = wzvi.compile(px**2 / 2 + x**2 / 2 - e * x * sympy.cos(t), q=x, p=px, t=t, friction=k, embedding="Verlet", name="Driven", want="path")
     assert driven(e=0.1, k=0.1).simulate(h=0.05, q=0.0, p=0.0, until=10.0).steps == 200
     springs = wzvi.compile(
@@ -168,3 +172,22 @@ def test_systems_of_all_kinds(system):
     )  # fmt: skip
     path = clocked(k=1.0).simulate("Clocked<Verlet>", eps=0.1, q=[0.1, 0.0], p=[0.0, 19.0**0.5], until=6.0)
     assert "intervals.h" in path and path["intervals.h"].min() < 0.1 * path["intervals.h"].max()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="mounts a small disk")
+def test_a_full_disk_leaves_a_cache_that_works(tmp_path, monkeypatch):
+    disk = tmp_path / "disk"
+    disk.mkdir(mode=0o700)
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=40m,mode=700", "tmpfs", disk], capture_output=True, check=False).returncode:
+        pytest.skip("may not mount")
+    try:
+        monkeypatch.setenv("WZVI_CACHE", str(disk))
+        well = dict(drift=HALF + " - 1.3 * q.cos()", embedding="Verlet", want="path")
+        with pytest.raises(wzvi.Error, match="is full.*WZVI_CACHE"):
+            wzvi.compile(**well)
+        assert not [each for each in os.listdir(disk) if each.endswith(".so") or each.startswith("crate-")]
+        subprocess.run(["mount", "-o", "remount,size=2g", disk], check=True)
+        assert wzvi.compile(**well)().simulate(h=0.1, q=0.1, p=0.0, until=1.0).steps == 10
+    finally:
+        subprocess.run(["umount", "-l", disk], check=False)
