@@ -32,7 +32,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def sources(monkeypatch):
-    monkeypatch.setattr(_build, "sources", lambda: _build.Sources(Path("/nowhere"), "mark", None, None))
+    monkeypatch.setattr(_build, "sources", lambda: _build.Sources(Path("/nowhere"), "mark", None, None, False))
 
 
 def program(path, text):
@@ -169,13 +169,15 @@ def test_a_library_is_there_as_a_whole_or_not_at_all(tmp_path, monkeypatch):
 
 
 def test_what_is_stale_is_swept(tmp_path):
-    for name, age in [("crate-old", 2 * _cache.STALE), ("crate-new", 1.0), ("crate", 2 * _cache.STALE)]:
-        (tmp_path / name).mkdir()
+    ages = [("crate-old", 2 * _cache.STALE), ("crate-new", 1.0), ("crate", 2 * _cache.STALE), ("target/old", 2 * _cache.UNUSED), ("target/new", 1.0)]
+    for name, age in ages:
+        (tmp_path / name).mkdir(parents=True)
         (tmp_path / name / "file").write_text("")
         then = time.time() - age
         os.utime(tmp_path / name, (then, then))
     _cache.sweep(tmp_path)
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["crate", "crate-new"]
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["crate", "crate-new", "target"]
+    assert [each.name for each in (tmp_path / "target").iterdir()] == ["new"]
 
 
 def test_clear_cache(folder):
@@ -275,6 +277,15 @@ def test_the_lock_of_a_process_that_is_killed_is_free(folder):
     holder.kill()
     assert entered.wait(2.0)
     holder.wait()
+
+
+@posix
+def test_versions_of_a_package_share_no_builds(folder, tools, monkeypatch):
+    program(tools / "cargo", "import sys\nsys.stderr.write('--target-dir ' + sys.argv[-1])\nraise SystemExit(101)")
+    for mark, is_package, name in [("a" * 64, True, "a" * 16), ("b" * 64, True, "b" * 16), ("c" * 64, False, "checkout")]:
+        monkeypatch.setattr(_build, "sources", lambda: _build.Sources(Path("/nowhere"), mark, None, None, is_package))
+        with pytest.raises(wzvi.Error, match=f"target.{name}"):
+            compile()
 
 
 def test_sources_that_are_missing(tmp_path, monkeypatch):

@@ -61,6 +61,8 @@ class Sources(NamedTuple):
     vendor: Optional[Path]
     #: The versions that the vendored crates have.
     lock: Optional[Path]
+    #: Whether they belong to this package, and never change.
+    is_package: bool
 
 
 def sources() -> Sources:
@@ -70,11 +72,11 @@ def sources() -> Sources:
     if not chosen and (inside / "FINGERPRINT").exists():
         vendor, lock = inside / "vendor", inside / "wzvi-system.lock"
         mark = (inside / "FINGERPRINT").read_text(encoding="ascii").strip()
-        return Sources(inside, mark, vendor if vendor.is_dir() else None, lock if lock.exists() else None)
+        return Sources(inside, mark, vendor if vendor.is_dir() else None, lock if lock.exists() else None, True)
     folder = Path(chosen).absolute() if chosen else HERE.parents[2] if len(HERE.parents) > 2 else HERE
     if not (folder / "wzvi-c" / "Cargo.toml").exists():
         raise Error(NO_SOURCES if not chosen else f"WZVI_SOURCES is {folder}, where no sources of wzvi are")
-    return Sources(folder, _stats(folder), None, None)
+    return Sources(folder, _stats(folder), None, None, False)
 
 
 def _stats(folder: Path) -> str:
@@ -230,7 +232,11 @@ def _make(
             (home / ".cargo" / "config.toml").unlink(missing_ok=True)
         if found.lock is not None:
             _cache.write(home / "Cargo.lock", found.lock.read_text(encoding="utf-8"))
-        command = [cargo, "build", "--release", "--message-format=json", *offline, "--target-dir", str(folder / "target")]
+        # Sources of a package may have any times, by which cargo would judge whether they changed: each version has its own folder.
+        target = folder / "target" / (found.fingerprint[:16] if found.is_package else "checkout")
+        target.mkdir(parents=True, exist_ok=True)
+        os.utime(target)
+        command = [cargo, "build", "--release", "--message-format=json", *offline, "--target-dir", str(target)]
         messages, said, code = run_cargo(command, home, environment, name, progress)
         if code != 0 and not offline and _is_network(said):
             # Without a network, the crates may still be on this machine.

@@ -14,6 +14,8 @@ from typing import Any
 
 from ._errors import DISK_FULL, Error
 
+#: What builds share is kept for so long after the last one, in seconds.
+UNUSED = 30 * 86400.0
 #: Leftovers of processes that ended in the middle are older than this, in seconds.
 STALE = 3600.0
 SUFFIX = {"darwin": ".dylib", "win32": ".dll"}.get(sys.platform, ".so")
@@ -98,12 +100,13 @@ def write(path: Path, text: str) -> None:
 
 
 def sweep(base: Path) -> None:
-    """Removes what processes left that ended in the middle of a build."""
+    """Removes what processes left that ended in the middle of a build, and what builds of versions share that are gone."""
     now = time.time()
-    for left in base.glob(PART + "*"):
-        with contextlib.suppress(OSError):
-            if now - left.stat().st_mtime > STALE:
-                shutil.rmtree(left, ignore_errors=True)
+    for pattern, age in ((PART + "*", STALE), ("target/*", UNUSED)):
+        for left in base.glob(pattern):
+            with contextlib.suppress(OSError):
+                if left.is_dir() and now - left.stat().st_mtime > age:
+                    shutil.rmtree(left, ignore_errors=True)
 
 
 def clear_cache() -> int:
