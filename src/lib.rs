@@ -377,6 +377,7 @@ mod documents {
         FromDiffrax: "docs/guide/from-diffrax.md",
         FromHeyoka: "docs/guide/from-heyoka.md",
         FromOpenmm: "docs/guide/from-openmm.md",
+        FromPython: "docs/guide/from-python.md",
         FromRebound: "docs/guide/from-rebound.md",
         FromSciml: "docs/guide/from-sciml.md",
         Glossary: "docs/guide/glossary.md",

@@ -84,7 +84,7 @@ struct wzvi_table {
     size_t (*results)(const wzvi_task *task);
     /* Array number `index`, and the number of its axes. */
     size_t (*result)(const wzvi_task *task, size_t index, const char **name, const double **values, size_t shape[WZVI_AXES]);
-    /* Names of the columns of an ensemble or a map, one in a line. */
+    /* Names, one in a line: of the observables of an ensemble; of other kinds, of time, coordinates and momenta. */
     const char *(*columns)(const wzvi_task *task);
     /* The error of the last call that failed, and its kind: "setting", "step", "noise", "stopped", ... */
     const char *(*error)(const wzvi_task *task);

@@ -9,6 +9,7 @@ use crate::error::TaskError;
 use crate::library::Outcome;
 use crate::noise::NamedNoise;
 use crate::path::{add_states, begin};
+use crate::quantities::variable_names;
 use crate::results::Results;
 use crate::settings::Settings;
 
@@ -121,17 +122,21 @@ where
     H: Exported + Discretized<E> + Send + Sync,
 {
     let system = H::from_fields(settings)?;
-    let (run, _) = crate::ensemble::begin::<H, E>(settings, &system, handle)?;
+    let (run, degrees) = crate::ensemble::begin::<H, E>(settings, &system, handle)?;
     let map = match settings.reals("deviations")? {
         Some(given) => run.deviations(given.rows()).indicators()?,
         None => run.indicators()?,
     };
-    let mut results = Results::default();
+    let mut results = Results { columns: variable_names(&system, degrees), ..Results::default() };
     add_states(&mut results, "", map.starts.iter());
-    results.columns = ["megno", "megno_mean", "sali", "gali_2", "fli"].map(String::from).to_vec();
-    let lists = [map.megno, map.megno_mean, map.sali, map.gali, map.fli];
-    let names = results.columns.clone();
-    names.into_iter().zip(lists).for_each(|(name, list)| results.add_list(name, list));
+    let lists = [
+        ("megno", map.megno),
+        ("megno_mean", map.megno_mean),
+        ("sali", map.sali),
+        ("gali_2", map.gali),
+        ("fli", map.fli),
+    ];
+    lists.into_iter().for_each(|(name, list)| results.add_list(name, list));
     results.add_number("time", map.time);
     let failures = &map.failures;
     let rows =
@@ -150,10 +155,10 @@ where
     H: Exported + Discretized<E>,
 {
     let system = H::from_fields(settings)?;
-    let (run, _) = begin::<H, E>(settings, &system, handle)?;
+    let (run, degrees) = begin::<H, E>(settings, &system, handle)?;
     let by = settings.lines("by")?;
     let found = if settings.has("by") { run.tangent_by(&by)? } else { run.tangent()? };
-    let mut results = Results::default();
+    let mut results = Results { columns: variable_names(&system, degrees), ..Results::default() };
     add_states(&mut results, "", [&found.end].into_iter());
     let rows = |matrix: &wzvi::nalgebra::DMatrix<f64>| matrix.transpose().as_slice().to_vec();
     let (lines, columns) = found.by_start.shape();

@@ -11,7 +11,7 @@ use wzvi::trajectory::Trajectory;
 use crate::error::TaskError;
 use crate::library::Outcome;
 use crate::noise::NamedNoise;
-use crate::quantities::{quantity, section, sign, starts};
+use crate::quantities::{quantity, section, sign, starts, variable_names};
 use crate::results::Results;
 use crate::settings::Settings;
 
@@ -158,7 +158,8 @@ where
 {
     let (states, processes) = (path.states(), path.processes());
     let nodes = states.len();
-    let mut results = Results::default();
+    let degrees = path.last().q.components().len();
+    let mut results = Results { columns: variable_names(system, degrees), ..Results::default() };
     add_states(&mut results, "", states.iter());
     results.add_list("energy", states.iter().map(|state| system.energy(state)));
     let variables = system.variables();

@@ -4,6 +4,7 @@ use wzvi::error::UnknownName;
 use wzvi::section::Direction;
 use wzvi::state::{State, Vector};
 use wzvi::system::{Hamiltonian, Quantity};
+use wzvi::variables::Variables;
 
 use crate::error::TaskError;
 use crate::settings::{RealArray, Settings};
@@ -71,6 +72,13 @@ fn vector<V: Vector>(name: &str, path: usize, numbers: &[f64]) -> Result<V, Task
 /// [`UnknownName`] with the names that there are.
 pub fn quantity<H: Hamiltonian>(system: &H, degrees: usize, name: &str) -> Result<Quantity, UnknownName> {
     Quantity::named(system, degrees, name)
+}
+
+/// The names of the time, the coordinates and the momenta, as the closure of the drift has them.
+pub fn variable_names<H: Hamiltonian>(system: &H, degrees: usize) -> Vec<String> {
+    let Variables { q, p, t, .. } = system.variables();
+    let coordinates = (0..degrees).map(|index| q.name(index));
+    [t.to_owned()].into_iter().chain(coordinates).chain((0..degrees).map(|index| p.name(index))).collect()
 }
 
 /// A section: the quantity that is zero on it, and the direction of the crossings, if only one counts.

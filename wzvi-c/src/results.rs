@@ -16,7 +16,7 @@ pub struct Array {
 pub struct Results {
     /// In the order in which they were added.
     pub arrays: Vec<Array>,
-    /// Names of the columns of an ensemble or a map.
+    /// The names of the observables of an ensemble; of other kinds those of time, coordinates and momenta.
     pub columns: Vec<String>,
 }
 

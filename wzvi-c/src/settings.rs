@@ -70,7 +70,7 @@ impl RealArray {
     pub fn rows(&self) -> Vec<Vec<f64>> {
         match self.shape[..] {
             [] | [_] => vec![self.values.clone()],
-            [0, ..] => Vec::new(),
+            _ if self.values.is_empty() => Vec::new(),
             [rows, ..] => {
                 let length = self.values.len() / rows;
                 (0..rows).map(|row| self.values[row * length..(row + 1) * length].to_vec()).collect()

@@ -74,7 +74,8 @@ pub struct Table {
         Option<&mut MaybeUninit<*const f64>>,
         Option<&mut [MaybeUninit<usize>; AXES]>,
     ) -> usize,
-    /// The names of the columns, one in a line.
+    /// The names of the observables of an ensemble, one in a line; of other kinds those of time, coordinates
+    /// and momenta.
     pub columns: extern "C" fn(Option<&Task>) -> *const c_char,
     /// The error of the last call that failed.
     pub error: extern "C" fn(Option<&Task>) -> *const c_char,

@@ -174,6 +174,11 @@ fn a_path_has_its_crossings_observables_and_increments() {
         path.crossings().iter().map(|crossing| crossing.state.t).collect::<Vec<_>>()
     );
     assert!(of("crossings.direction").iter().all(|direction| *direction == 1.0));
+    let task = pendulum("path", "Midpoint").real("h", 0.01).integer("steps", 1);
+    assert_eq!(
+        (task.run(), words((wzvi_table().columns)(task.0.as_deref()))),
+        (DONE, "t\nangle\nmomentum".into())
+    );
     // The increments that came out, as given ones, give the same path.
     let given = kubo("path").reals("increments", &of("dw"), &[1000]).real("until", 20.0).finished();
     assert_eq!(given["q"], arrays["q"]);
@@ -407,6 +412,16 @@ fn no_task_is_an_error() {
         ]
     };
     assert_eq!(statuses, [FAILED; 6]);
+    // More rows than memory has room for, without numbers.
+    let none = |name| {
+        let task = Owned::begin("Network", "path").real("parameter.k", 1.0).real("h", 0.1).real("until", 1.0);
+        let task = task.integers("parameter.springs", &[0, 1], &[1, 2]).reals("q", &[0.0, 1.0], &[2]);
+        task.reals("p", &[0.0, 0.0], &[2]).integers(name, &[], &[1 << 60, 0]).refused()
+    };
+    assert!(none("parameter.springs").1.contains("1152921504606846976 rows"));
+    assert!(none("q").1.contains("`q` has the shape"));
+    let (_, text) = kubo("map").integer("seed", 1).real("until", 1.0).integer("paths", 1 << 60).refused();
+    assert!(text.contains("no memory for the starts"), "{text}");
     // SAFETY: as above.
     let nameless = Owned(unsafe { (table.begin)(Some(table), std::ptr::null(), std::ptr::null()) });
     assert_eq!(nameless.run(), FAILED);

@@ -178,11 +178,15 @@ impl<T: FromGiven> FromGiven for Vec<T> {
         let Some(&length) = given.shape.first() else {
             return Err(format!("an array, not {}", given.described()));
         };
-        let element = |index: usize| {
+        let mut list = Self::new();
+        list.try_reserve_exact(length)
+            .map_err(|_| format!("an array that memory has room for, not {length} rows"))?;
+        for index in 0..length {
             let part = given.part(index).ok_or("an array with as many numbers as its shape says")?;
-            T::from_given(&part).map_err(|expected| format!("an array with {expected} at index {index}"))
-        };
-        (0..length).map(element).collect()
+            let element = T::from_given(&part);
+            list.push(element.map_err(|expected| format!("an array with {expected} at index {index}"))?);
+        }
+        Ok(list)
     }
 }
 

@@ -135,6 +135,12 @@ where
             None => Ok(first.clone()),
         };
         let mut all = Vec::new();
+        let number = usize::try_from(paths).ok();
+        if number.is_none_or(|number| all.try_reserve_exact(number).is_err()) {
+            return wrong(format!(
+                "there is no memory for the starts of {paths} paths: ask for fewer `.paths(...)`"
+            ));
+        }
         for path in 0..paths {
             let start = start_of(path)?;
             check(system, &start, path, (degrees, first.t))?;
