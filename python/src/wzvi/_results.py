@@ -28,7 +28,7 @@ class Result:
 
     Attributes:
         system: the system with its parameters.
-        names: names of the columns of arrays that have one for each quantity.
+        names: of statistics the names of the observables; of other results those of time, coordinates and momenta.
     """
 
     system: Bound
@@ -102,6 +102,14 @@ class Result:
 
         return polars.DataFrame({name: np.ascontiguousarray(values) for name, values in self.columns().items()})
 
+    def _variables(self, degrees: int) -> tuple[str, list[str], list[str]]:
+        """Names of the time, the coordinates and the momenta."""
+        names = self.names
+        if len(names) != 2 * degrees + 1:
+            # A result without nodes does not know how many there are.
+            names = ["t", *(f"{name}[{i}]" for name in "qp" for i in range(degrees))]
+        return names[0], names[1 : degrees + 1], names[degrees + 1 :]
+
     def _title(self) -> str:
         return f"{type(self).__name__} of {self.system!r}"
 
@@ -154,8 +162,8 @@ class Path(Result):
     heat: float
 
     def columns(self) -> dict[str, Any]:
-        coordinates, momenta = self.system.system.coordinates(self.q.shape[1])
-        columns = {"t": self.t, **spread(self, "q", coordinates), **spread(self, "p", momenta)}
+        time, coordinates, momenta = self._variables(self.q.shape[1])
+        columns = {time: self.t, **spread(self, "q", coordinates), **spread(self, "p", momenta)}
         for name in self._raw:
             kind, _, label = name.partition(".")
             if name == "energy" or kind in ("invariant", "observed"):
@@ -290,13 +298,15 @@ class Map(Result):
     p: Array
     failures: Array
     time: float
+    #: Names of the indicators.
+    indicators = ("megno", "megno_mean", "sali", "gali_2", "fli")
 
     def columns(self) -> dict[str, Any]:
-        coordinates, momenta = self.system.system.coordinates(self.q.shape[1])
-        return {**spread(self, "q", coordinates), **spread(self, "p", momenta), **{name: self[name] for name in self.names}}
+        _, coordinates, momenta = self._variables(self.q.shape[1])
+        return {**spread(self, "q", coordinates), **spread(self, "p", momenta), **{name: self[name] for name in self.indicators}}
 
     def __repr__(self) -> str:
-        return f"<{self._title()}: {', '.join(self.names)} of {len(self.q)} paths>"
+        return f"<{self._title()}: {', '.join(self.indicators)} of {len(self.q)} paths>"
 
 
 class Tangent(Result):
@@ -315,7 +325,7 @@ class Tangent(Result):
     by: list[str]
 
     def columns(self) -> dict[str, Any]:
-        coordinates, momenta = self.system.system.coordinates(self.q.shape[-1])
+        _, coordinates, momenta = self._variables(self.q.shape[-1])
         labels = [*coordinates, *momenta]
         columns = {"end": np.array(labels), "value": np.concatenate([self.q.ravel(), self.p.ravel()])}
         columns.update({f"d/d{name}": self.by_start[:, i] for i, name in enumerate(labels)})

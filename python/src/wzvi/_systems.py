@@ -111,13 +111,6 @@ class System:
             raise KeyError(f"{self.name} was not compiled for the scheme {scheme}: there are {', '.join(self.schemes)}")
         return str(self.schemes[scheme]["equations"])
 
-    def coordinates(self, degrees: int) -> tuple[list[str], list[str]]:
-        """Names of the coordinates and of the momenta, as the closure of the drift has them."""
-        drift = next((text for key, text in self.closures if key == "drift"), "")
-        bars = re.match(r"\s*(?:move\s+)?\|(.*?)\|", drift, re.S)
-        parts = _split(bars[1]) if bars else []
-        return _labels(parts[0] if parts else "q", degrees), _labels(parts[1] if len(parts) > 1 else "p", degrees)
-
     def __call__(self, **parameters: Any) -> Bound:
         """The system with these parameters. Parameters with one axis more than their type has are a sweep."""
         for name in parameters:
@@ -644,35 +637,6 @@ def _short(value: Any) -> str:
     if isinstance(value, np.generic):
         return repr(value.item())
     return repr(value)
-
-
-def _split(text: str) -> list[str]:
-    """Parts between commas outside of brackets."""
-    parts, depth = [""], 0
-    for c in text:
-        depth += (c in "([{<") - (c in ")]}>")
-        if c == "," and depth == 0:
-            parts.append("")
-        else:
-            parts[-1] += c
-    return [part.strip() for part in parts if part.strip()]
-
-
-def _labels(pattern: str, degrees: int) -> list[str]:
-    name, _, of = pattern.partition(":")
-    name = name.strip().removeprefix("mut ")
-    if name.startswith("["):
-        names = _split(name[1:-1])
-        if len(names) == degrees:
-            return names
-        name = "q"
-    if not of.strip() and degrees == 1:
-        return [name]
-    # Points of the plane or of space.
-    inner = re.search(r"\[\s*f64\s*;\s*(\d+)\s*\]\s*(?:;|\])", of) if of.count("[") > 1 else None
-    if inner and degrees % int(inner[1]) == 0:
-        return [f"{name}[{i // int(inner[1])}][{i % int(inner[1])}]" for i in range(degrees)]
-    return [f"{name}[{i}]" for i in range(degrees)]
 
 
 def load(path: Union[str, os.PathLike[str]]) -> Library:
