@@ -6,7 +6,7 @@ import keyword
 import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Optional
+from typing import Any
 
 from ._errors import CompileError, Message
 from ._source import RUST_WORDS, Printed
