@@ -65,7 +65,7 @@ impl Stubs {
                 impl #parameters #wzvi::exported::Exported for #system {
                     const NAME: #str = "";
                     const DOC: #str = "";
-                    const FIELDS: &'static [#wzvi::exported::Field] = &[];
+                    const FIELDS: &'static [#wzvi::exported::FieldDescription] = &[];
                     const CLOSURES: &'static [(#str, #str)] = &[];
                     const SCHEMES: &'static [#str] = &[];
                     type Schemes = ();
