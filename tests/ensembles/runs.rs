@@ -41,13 +41,13 @@ fn every_split_gives_the_same_bits() {
     assert!(all.nodes().iter().all(|node| node.count() == 1101));
     let well = DoubleWell { sigma: 0.3 };
     every_split(|| {
-        well.ensemble::<Midpoint>(0.01).start(State::new([0.5], [0.5])).paths(555).seed(4).steps(50)
+        well.ensemble::<Midpoint>(0.01).start(State::new([0.5], [0.5])).paths(155).seed(4).steps(50)
     });
     let coupled = Coupled { s: 0.4 };
     let start = || State::new([0.3, -0.2], [0.5, 0.1]);
-    every_split(|| coupled.ensemble::<Midpoint>(0.05).start(start()).paths(530).seed(5).steps(25));
+    every_split(|| coupled.ensemble::<Midpoint>(0.05).start(start()).paths(140).seed(5).steps(25));
     every_split(|| {
-        coupled.ensemble::<Corrected<DeltaPlus>>(0.05).start(start()).paths(530).seed(5).steps(25)
+        coupled.ensemble::<Corrected<DeltaPlus>>(0.05).start(start()).paths(140).seed(5).steps(25)
     });
 }
 

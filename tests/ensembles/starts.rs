@@ -155,14 +155,14 @@ where
     let start = |draw: &mut Draw| State::new([0.1 * draw.path() as f64 - 1.0], [0.3 * draw.normal()]);
     // Steppers do not look at the energy.
     let wells = || well.ensemble::<E>(h).unwatched().starts(start);
-    let paths = paths_are_steppers(wells, from_ref(&well), (h, 50), (20, 3));
+    let paths = paths_are_steppers(wells, from_ref(&well), (h, 30), (20, 3));
     let is_slow = |path: &&Stepped<_>| {
         let (mut swept, mut state) =
             (well.stepper::<E>(h).unwrap().plain().iteration(Iteration::FixedPoint), path.nodes[0]);
-        (0..50).any(|_| swept.step(&mut state, &[]).is_err())
+        (0..30).any(|_| swept.step(&mut state, &[]).is_err())
     };
     let slow = paths.iter().filter(is_slow).count() as u64;
-    let run = || wells().seed(3).paths(20).steps(50).allow_losses(1.0);
+    let run = || wells().seed(3).paths(20).steps(30).allow_losses(1.0);
     let reference = run().run().unwrap();
     assert!(run().run_in::<1>().unwrap() == reference && run().run_in::<32>().unwrap() == reference);
     [hard(&paths), slow, failed(&paths)]

@@ -239,14 +239,14 @@ pub(super) use check_schemes;
 
 #[test]
 fn chains_of_any_size() {
-    for k in [0.8, 0.3] {
-        let (at, names) = ([0.5, k, 0.7, 1.1, 2.0], ["m", "k", "b", "f", "w"]);
-        let chain = |[m, k, b, f, w]: [f64; 5]| Chain { m, k, b, f, w };
-        check_schemes!(chain, names, at, &line(5), None, [
-            DeltaPlus, Midpoint, Verlet, Gauss<3>, Mixed<Midpoint, Midpoint>, Composed<Verlet, KahanLi8>,
-            Composed<Midpoint, Yoshida4>, Own<RungeKutta4>
-        ]);
-    }
+    let at = |k| [0.5, k, 0.7, 1.1, 2.0];
+    let (names, chain) = (["m", "k", "b", "f", "w"], |[m, k, b, f, w]: [f64; 5]| Chain { m, k, b, f, w });
+    check_schemes!(chain, names, at(0.8), &line(5), None, [
+        DeltaPlus, Midpoint, Verlet, Gauss<3>, Mixed<Midpoint, Midpoint>, Composed<Verlet, KahanLi8>,
+        Composed<Midpoint, Yoshida4>, Own<RungeKutta4>
+    ]);
+    // On the other side of the comparison, which is in the functions of all schemes.
+    check_schemes!(chain, names, at(0.3), &line(5), None, [DeltaPlus, Midpoint, Gauss<3>]);
 }
 
 /// Steps so long that they are solved by Newton's method: with factors in a band, and with products with the Jacobian.
@@ -286,7 +286,7 @@ fn noises_are_taken_as_given() {
 #[test]
 fn pairs_and_gathered_placements() {
     let bodies = |[g, e]: [f64; 2]| Bodies { g, e };
-    check_schemes!(bodies, ["g", "e"], [0.7, 2.0], &line(24), None, [DeltaPlus, Midpoint]);
+    check_schemes!(bodies, ["g", "e"], [0.7, 2.0], &line(18), None, [DeltaPlus, Midpoint]);
     let network =
         |[c, s]: [f64; 2]| Network { edges: (0..9).map(|i| [i % 7, (3 * i + 1) % 7]).collect(), c, s };
     check_schemes!(network, ["c", "s"], [0.2, 1.3], &line(7), None, [DeltaPlus, Midpoint]);

@@ -7,7 +7,7 @@ use wzvi::state::Vector as _;
 /// Contacts of one body, roots, centres of forces, and chains of beads in contact.
 macro_rules! systems {
     ($($name:ident = $drift:expr;)+) => {$(
-        #[hamiltonian(drift = $drift, embedding = [Verlet, Midpoint, Gauss<2>, Gauss<4>])]
+        #[hamiltonian(drift = $drift, embedding = [Verlet, Midpoint, Gauss<4>])]
         struct $name;
     )+};
 }
@@ -39,7 +39,7 @@ systems! {
 /// A wall and a well with an exponent of the system.
 #[hamiltonian(
     drift = |q, p| 0.5 * p * p + (1.0 - q).max(0.0).powf(self.exponent) + 0.1 * (q - 1.0).abs().powf(self.exponent),
-    embedding = [Verlet, Midpoint, Gauss<2>, Gauss<4>]
+    embedding = [Verlet, Midpoint, Gauss<4>]
 )]
 struct Exponent {
     exponent: f64,
@@ -71,7 +71,6 @@ macro_rules! all_schemes {
     ($system:expr, $starts:expr) => {
         runs::<Verlet, _>(&$system, 0.01, &$starts);
         runs::<Midpoint, _>(&$system, 0.01, &$starts);
-        runs::<Gauss<2>, _>(&$system, 0.01, &$starts);
         runs::<Gauss<4>, _>(&$system, 0.01, &$starts);
     };
 }
@@ -108,10 +107,10 @@ fn centres_of_smooth_forces_are_crossed() {
 #[test]
 fn the_limit_of_the_force_is_its_slope() {
     let (mut state, h, p) = (State::new([0.0, 0.0], [1e-6, 0.0]), 1e-3, 1e-6);
-    let mut stepper = Ripple.stepper::<Gauss<2>>(h).unwrap();
+    let mut stepper = Ripple.stepper::<Gauss<4>>(h).unwrap();
     (0..500).for_each(|_| stepper.step(&mut state, &[]).map(drop).unwrap());
     let omega = 3.6_f64.sqrt();
-    // Anharmonic terms are (6 q)² / 6 = 6e-12 of it, the error of the scheme is 1e-14.
+    // Anharmonic terms are (6 q)² / 6 = 6e-12 of it, the error of the scheme is below 1e-14.
     assert!((state.q[0] - p * (omega * 0.5).sin() / omega).abs() < 1e-10 * p, "{state:?}");
 }
 
@@ -123,9 +122,9 @@ fn chains_of_beads_are_stepped() {
         push[0] = 0.7;
         [State::new(touching.clone(), vec![0.0; touching.len()]), State::new(touching, push)]
     };
-    all_schemes!(Hertz, starts(9));
+    all_schemes!(Hertz, starts(6));
     // With an infinite stiffness at the first touch a push reaches all beads at once.
-    all_schemes!(Soft, starts(9));
+    all_schemes!(Soft, starts(6));
     let touching: [f64; 20] = std::array::from_fn(|i| i as f64);
     let mut push = [0.0; 20];
     push[0] = 0.7;

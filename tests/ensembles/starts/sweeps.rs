@@ -66,7 +66,7 @@ struct Shaken {
 macro_rules! sweep_is_that_of_steppers {
     ($scheme:ty, $system:ty, $of_path:expr, $start:expr) => {{
         let list: Vec<$system> = (0..75).map($of_path).collect();
-        assert_eq!(failed(&sweep_is_steppers::<$scheme, _>(&list, &$start, (0.1, 16), true)), 0);
+        assert_eq!(failed(&sweep_is_steppers::<$scheme, _>(&list, &$start, (0.1, 8), true)), 0);
     }};
 }
 
@@ -131,9 +131,9 @@ where
     // Steppers do not look at the energy.
     let wells = || list[0].ensemble::<E>(h).unwatched().systems(|draw| Well { k: 0.35 * draw.path() as f64 });
     let wells = || wells().start(State::new([-0.7], [0.2]));
-    let paths = paths_are_steppers(wells, &list, (h, 40), (12, 9));
+    let paths = paths_are_steppers(wells, &list, (h, 30), (12, 9));
     assert!((1..12).contains(&failed(&paths)), "{} failures", failed(&paths));
-    let run = || wells().seed(9).paths(12).allow_losses(1.0).keep_paths(1 << 20).steps(40);
+    let run = || wells().seed(9).paths(12).allow_losses(1.0).keep_paths(1 << 20).steps(30);
     let reference = run().run().unwrap();
     let same = |other: wzvi::ensemble::Statistics| {
         other.paths().unwrap().count() == 12 && other.failures() == reference.failures()

@@ -23,6 +23,7 @@ use crate::statistics::{
 use crate::trajectory::Error;
 use crate::trajectory::exclusive_setting::SOME;
 use crate::trajectory::options::{Observables, elsewhere};
+use crate::trajectory::recording::RecordedTime;
 use crate::trajectory::span::{NodeGrid, ONE_START};
 
 /// More recorded nodes than anyone looks at.
@@ -93,8 +94,10 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let listed =
             [starts.as_ref().and_then(ByPath::listed), own_systems.as_ref().and_then(ByPath::listed)];
         let paths = number_of_paths(more.paths, listed)?;
-        let systems = own_systems.map(|systems| systems.into_list(DrawPurpose::System, seed, paths));
-        let systems = systems.transpose()?.unwrap_or_default();
+        let systems = match own_systems {
+            Some(systems) => systems.into_list(DrawPurpose::System, seed, paths)?,
+            None => Vec::new(),
+        };
         starts::check_systems::<H, E>(&systems, system, start.q.components().len())?;
         let end = grid.time(steps);
         if !end.is_finite() {
@@ -130,7 +133,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
                 (more.wanted.has_work, "`observe_work`"),
                 (has_pairs, "antithetic paths"),
             ];
-            if let Some((_, what)) = refused.into_iter().find(|(is_made, _)| *is_made) {
+            if let Some(what) = first_of(&refused) {
                 return wrong(format!(
                     "{what} of paths by a clock, or with events: leave it out; `on(value, |_| Terminal)` ends a path at its first passage"
                 ));
@@ -151,11 +154,15 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let (mut observables, mut own) = (setup.observables, more.own);
         if observables.is_empty() {
             observables = coordinates(start.q.components().len(), &system.variables());
-            let name = free("energy", observables.0.iter().map(|(known, _)| known.as_str()));
-            let names = system.variables();
-            let declared = 0..system.observables();
-            let declared = declared.map(|i| (names.observable(i), Quantity::Observable(i)));
-            for (name, quantity) in [(name, Quantity::Energy)].into_iter().chain(declared) {
+            let mut known = Vec::new();
+            for (name, _) in &observables.0 {
+                known.push(name.as_str());
+            }
+            let mut named = vec![(free("energy", known.into_iter()), Quantity::Energy)];
+            for i in 0..system.observables() {
+                named.push((system.variables().observable(i), Quantity::Observable(i)));
+            }
+            for (name, quantity) in named {
                 let value = move |system: &H, state: &State<H::Vector>| quantity.value(system, state);
                 own.push((observables.len(), Arc::new(value)));
                 observables.push(name, elsewhere);
@@ -164,20 +171,22 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let mut work = None;
         if more.wanted.has_work {
             let (has_weight, first) = (more.wanted.has_weight, observables.len());
-            let is_between = recorded.iter().any(|recorded| recorded.is_inside);
+            let is_between = has_inside(&recorded);
             check_work::<H, E>(setup.retry.most() > 0 || is_between)?;
             if has_weight {
                 let common = systems.is_empty().then_some(system);
                 systems.iter().chain(common).try_for_each(check_weight::<H, E>)?;
             }
             let heats = if H::PROPERTIES.has_temperatures { start.q.components().len() } else { 0 };
-            OwnWork::names(heats, has_weight).into_iter().for_each(|name| observables.push(name, elsewhere));
+            for name in OwnWork::names(heats, has_weight) {
+                observables.push(name, elsewhere);
+            }
             work = Some(OwnWork { places: first..observables.len(), has_weight });
         }
         let (names, observables) = observables.checked("observables")?;
         let (event_names, events) = more.events.checked("events")?;
-        let of_pairs = [(events.is_empty(), "first passages"), (setup.sections.is_empty(), "sections")];
-        if let Some((_, what)) = of_pairs.into_iter().find(|(is_empty, _)| has_pairs && !is_empty) {
+        let of_pairs = [(!events.is_empty(), "first passages"), (!setup.sections.is_empty(), "sections")];
+        if has_pairs && let Some(what) = first_of(&of_pairs) {
             return wrong(format!(
                 "{what} of antithetic paths: their errors would be those of independent ones; leave out one of the two"
             ));
@@ -187,7 +196,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
                 ConfigError::Missing("a section for `keep_crossings`: add `.section(function)`").into()
             );
         }
-        let times: Vec<f64> = recorded.iter().map(|recorded| recorded.t).collect();
+        let times = times(&recorded);
         let passages = passages(event_names, &grid, more.wanted.most_bytes.is_some())?;
         let crossings = Crossings::new(start.q.components().len(), more.wanted.most_crossings);
         let crossings = vec![crossings; setup.sections.len()];
@@ -196,11 +205,14 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
         let job = EnsembleJob {
             prepared: PreparedSteps {
                 whole: crate::trajectory::step::prepared(system, h)?,
-                last: grid.shorter.map(|h| crate::trajectory::step::prepared(system, h)).transpose()?,
+                last: match grid.shorter {
+                    Some(h) => Some(crate::trajectory::step::prepared(system, h)?),
+                    None => None,
+                },
             },
             systems: PathSystems {
                 common: system,
-                go_in_lanes: grid.from(0).all(|(_, size)| go_in_lanes::<H, E>(&systems, size)),
+                go_in_lanes: go_in_lanes::<H, E>(&systems, &grid),
                 own: systems,
             },
             starts: PathStarts { first: start, own: starts, seed, is_projected },
@@ -220,12 +232,36 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
     }
 }
 
-/// Whether each system goes in lanes with the first one. One that cannot be prepared is an error of its path.
-fn go_in_lanes<H: Discretized<E>, E>(systems: &[H], h: f64) -> bool {
-    let prepared = || systems.iter().filter_map(|system| crate::trajectory::step::prepared(system, h).ok());
-    let first = prepared().next();
-    // With itself, too: some go in no lanes at all.
-    first.is_none_or(|first| prepared().all(|other| SchemeOf::<H, E>::gather([&first, &other]).is_some()))
+/// Whether each system goes in lanes with the first one, in steps of every size of the run. One that cannot be
+/// prepared is an error of its path.
+fn go_in_lanes<H: Discretized<E>, E>(systems: &[H], grid: &NodeGrid) -> bool {
+    for (_, size) in grid.from(0) {
+        let mut first = None;
+        for system in systems {
+            let Ok(other) = crate::trajectory::step::prepared(system, size) else { continue };
+            // The first with itself, too: some go in no lanes at all.
+            if SchemeOf::<H, E>::gather([first.as_ref().unwrap_or(&other), &other]).is_none() {
+                return false;
+            }
+            if first.is_none() {
+                first = Some(other);
+            }
+        }
+    }
+    true
+}
+
+/// What of the first of these properties that is there is called.
+fn first_of<'w>(properties: &[(bool, &'w str)]) -> Option<&'w str> {
+    properties.iter().find_map(|(is_there, what)| is_there.then_some(*what))
+}
+
+fn times(recorded: &[RecordedTime]) -> Vec<f64> {
+    recorded.iter().map(|recorded| recorded.t).collect()
+}
+
+fn has_inside(recorded: &[RecordedTime]) -> bool {
+    recorded.iter().any(|recorded| recorded.is_inside)
 }
 
 /// Whether there is work to observe, in a run that may halve its steps or look between its nodes.

@@ -43,12 +43,15 @@ pub(super) fn in_chunks<H: Discretized<E> + Sync, E, P: Systems, const WIDTH: us
     let Range { start, end } = chunks;
     let number = end - start;
     let row = if threads == 1 { MOST } else { (number / (TASKS * threads as u64)).clamp(1, MOST) };
-    let work = |task| {
+    // Behind pointers, so that the queue of threads is compiled once.
+    let work: &(dyn Fn(u64) -> ChunkResults + Sync) = &|task| {
         let first = start + task * row;
         let chunks = Chunks::<H, E, P, WIDTH>::new(job, coarse, first..end.min(first + row));
         chunks.instructions(instructions).run(chunks)
     };
-    in_order(0..number.div_ceil(row), threads, work, |_, found| found.into_iter().try_for_each(&mut take));
+    let take: &mut (dyn FnMut(u64, ChunkResults) -> ControlFlow<()> + Send) =
+        &mut |_, found| found.into_iter().try_for_each(&mut take);
+    in_order(0..number.div_ceil(row), threads, work, take);
 }
 
 /// Chunks that follow each other, as many paths at a time as the instructions ask for (half as many if a path

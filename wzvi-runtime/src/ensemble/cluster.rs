@@ -76,7 +76,7 @@ where
         let (threads, instructions) = (execution.threads.unwrap_or(1), execution.instructions());
         let stop = || execution.is_stopped();
         let job = agree(&world, check_threads(threads).and_then(|()| self.job(&stop)))?;
-        let described = agree(&world, described(&job, []))?;
+        let described = agree(&world, described(&job, Vec::new()))?;
         same(&world, &described.lines(job.paths))?;
         let account = match world.rank() {
             0 => ChunkLedger::open(&job, &control, keeping, execution.progress("paths")).map(Some),

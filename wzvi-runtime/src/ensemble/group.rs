@@ -107,7 +107,7 @@ where
             _ => {
                 let Self { job, paths: DrivenPaths { lanes, increments }, .. } = self;
                 let interval = Interval { step, ..job.grid.first() };
-                Ok(increments.draw(&interval, |lane| lanes.goes_on(lane))?)
+                Ok(increments.draw(&interval, lanes)?)
             }
         }
     }
@@ -118,7 +118,7 @@ where
         let Self { job, paths: DrivenPaths { lanes, increments }, steps, .. } = self;
         steps.restart(step, size, lanes)?;
         let interval = Interval { step, ..job.grid.first() };
-        Ok(increments.draw_last(&job.source, &interval, size, |lane| lanes.goes_on(lane))?)
+        Ok(increments.draw_last(&job.source, &interval, size, lanes)?)
     }
 
     /// Takes a step with the increments that were drawn.
@@ -191,11 +191,15 @@ where
             }
             false => None,
         };
-        // Before the first step there is no heat.
-        into.fill(0.0);
-        let all = [work, work - accounted, *heat];
-        let values = all.into_iter().chain(by_degree.iter().copied()).chain(weight);
-        into.iter_mut().zip(values).for_each(|(into, value)| *into = value);
+        write_work([work, work - accounted, *heat], by_degree, weight, into);
         Ok(())
     }
+}
+
+/// The work of a path as it is observed: work, shadow work and heat, the heats by degree of freedom, the weight.
+fn write_work(all: [f64; 3], by_degree: &[f64], weight: Option<f64>, into: &mut [f64]) {
+    // Before the first step there is no heat.
+    into.fill(0.0);
+    let values = all.iter().chain(by_degree).copied().chain(weight);
+    into.iter_mut().zip(values).for_each(|(into, value)| *into = value);
 }

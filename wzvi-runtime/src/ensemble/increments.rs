@@ -1,6 +1,7 @@
 //! The increments of paths beside each other.
 
 use super::draws::{STEPS, normals, normals_at, normals_of_processes};
+use super::group::LanePaths;
 use super::source::NoiseSource;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
@@ -121,16 +122,12 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         }
     }
 
-    /// Draws the increments of a step, of those lanes that want any; steps are drawn in order.
+    /// Draws the increments of a step, of those lanes whose paths go on; steps are drawn in order.
     ///
     /// # Errors
     /// The error of a noise that has none.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn draw(
-        &mut self,
-        interval: &Interval,
-        wants: impl Fn(usize) -> bool,
-    ) -> Result<(), NoiseError> {
+    pub(super) fn draw(&mut self, interval: &Interval, lanes: &LanePaths<L>) -> Result<(), NoiseError> {
         let (step, processes, blocks) = (interval.step, self.processes, self.blocks);
         match &mut self.origin {
             IncrementSource::Normals(keys, kept) => {
@@ -155,13 +152,13 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
                 }
             }
             IncrementSource::Pairs(..) => self.draw_pairs(step),
-            IncrementSource::Each(..) => self.ask(interval, wants)?,
+            IncrementSource::Each(..) => self.ask(interval, lanes)?,
         }
         Ok(())
     }
 
     /// Draws the increments of a last step that is shorter, of size `h` from the start of `interval` on, of
-    /// those lanes that want any.
+    /// those lanes whose paths go on.
     ///
     /// # Errors
     /// The error of a noise that has none.
@@ -170,7 +167,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         source: &NoiseSource<'_>,
         interval: &Interval,
         h: f64,
-        wants: impl Fn(usize) -> bool,
+        lanes: &LanePaths<L>,
     ) -> Result<(), NoiseError> {
         let (path, step, processes) = (self.path, interval.step, self.processes);
         if processes == 0 {
@@ -186,7 +183,10 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
             return Ok(());
         }
         let mut alone = vec![0.0; processes];
-        for lane in (0..L).filter(|lane| wants(*lane)) {
+        for lane in 0..L {
+            if !lanes.goes_on(lane) {
+                continue;
+            }
             match &mut self.origin {
                 IncrementSource::Each(noises, _) => {
                     noises[lane].increments_of_part(interval, h, &mut alone)?
@@ -240,10 +240,13 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
 
     /// Asks the noise of each path.
     #[inline(never)]
-    fn ask(&mut self, interval: &Interval, wants: impl Fn(usize) -> bool) -> Result<(), NoiseError> {
+    fn ask(&mut self, interval: &Interval, lanes: &LanePaths<L>) -> Result<(), NoiseError> {
         let IncrementSource::Each(noises, alone) = &mut self.origin else { return Ok(()) };
         let (_, to) = self.values.split_at_mut(self.blocks.slot(interval.step) * self.processes);
-        for (lane, noise) in noises.iter_mut().enumerate().filter(|(lane, _)| wants(*lane)) {
+        for (lane, noise) in noises.iter_mut().enumerate() {
+            if !lanes.goes_on(lane) {
+                continue;
+            }
             noise.increments(interval, alone)?;
             check_finite(interval.step, alone)?;
             for (to, from) in to.iter_mut().zip(&*alone) {

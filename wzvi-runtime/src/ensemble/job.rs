@@ -112,6 +112,11 @@ pub(super) struct CrossedFunctions<'a, V> {
 }
 
 impl<'a, V> CrossedFunctions<'a, V> {
+    /// Whether there are any.
+    pub(super) fn has_any(&self) -> bool {
+        !self.sections.is_empty() || !self.events.is_empty()
+    }
+
     /// Sections, then events.
     pub(super) fn functions(&self) -> impl Iterator<Item = &Observable<'a, V>> {
         self.sections.functions().chain(&self.events)

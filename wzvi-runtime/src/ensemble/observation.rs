@@ -48,16 +48,24 @@ impl<V: Vector> LaneInside<V> {
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> {
     pub(super) fn new(job: &'j EnsembleJob<'a, H, E>) -> Self {
-        let lanes = if job.looks_between() { L } else { 0 };
-        let crossings = if job.crossed.functions().next().is_some() { L } else { 0 };
+        let (mut crossings, mut lanes) = (Vec::new(), Vec::new());
+        let (has_crossings, looks_between) = (job.crossed.has_any(), job.looks_between());
+        for _ in 0..L {
+            if has_crossings {
+                crossings.push(PathCrossings::new(job));
+            }
+            if looks_between {
+                lanes.push(LaneInside::new(job));
+            }
+        }
         Self {
             job,
             statistics: job.observed.empty.clone(),
             pace: StopPoll::new(job.stop),
             seen: 0,
             next: 0,
-            crossings: (0..crossings).map(|_| PathCrossings::new(job)).collect(),
-            lanes: (0..lanes).map(|_| LaneInside::new(job)).collect(),
+            crossings,
+            lanes,
             values: vec![0.0; job.observed.observables.len()],
         }
     }
@@ -90,7 +98,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         node: u64,
     ) -> Result<(), Error> {
         let Self { job, statistics, crossings, lanes, .. } = self;
-        let times = [node - 1, node].map(|node| job.grid.time(node));
+        let times = [job.grid.time(node - 1), job.grid.time(node)];
         for (lane, crossings) in crossings.iter_mut().enumerate() {
             if !group.paths.lanes.goes_on(lane) {
                 continue;
@@ -99,7 +107,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 crossings.look_at_node(job, times, group.state_at(lane, node));
             }
             let (path, number) = (group.paths.lanes.number(lane), crossings.looked_for_inside(job));
-            if let Some(LaneInside { before, dense, .. }) = lanes.get_mut(lane).filter(|_| number > 0) {
+            if number > 0
+                && let Some(LaneInside { before, dense, .. }) = lanes.get_mut(lane)
+            {
                 group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
                     crossings.look_inside(job, number, dense, path, &mut *statistics);
                 })?;
@@ -123,8 +133,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         paths: &mut Coupled<'j, 'a, H, E, P, T, L>,
         node: u64,
     ) -> Result<(), Error> {
-        while let Some(recorded) =
-            self.job.observed.recorded.get(self.next).filter(|recorded| recorded.node == node)
+        while let Some(recorded) = self.job.observed.recorded.get(self.next)
+            && recorded.node == node
         {
             self.record_at(paths, recorded)?;
             self.next += 1;
@@ -186,10 +196,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     pub(super) fn finish<P, T>(&mut self, paths: &mut Coupled<'j, 'a, H, E, P, T, L>) {
         let group = &mut paths.fine.paths.lanes;
         let failures = group.take_failures();
-        let paths = || self.crossings.iter().enumerate().filter(|(lane, _)| group.is_path(*lane));
         for event in 0..self.job.crossed.events.len() {
             let mut failures = failures.iter();
-            for (lane, crossings) in paths() {
+            for (lane, crossings) in self.crossings.iter().enumerate() {
+                if !group.is_path(lane) {
+                    continue;
+                }
                 let failure = if group.has_failed(lane) { failures.next() } else { None };
                 let failed = failure.map(|failure| self.job.grid.time(failure.error.step));
                 let passage = crossings.passage(event, failed);
@@ -200,7 +212,10 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             self.statistics.see(path, &Seen::Failure(error));
         }
         for section in 0..self.job.crossed.sections.len() {
-            for (lane, crossings) in paths() {
+            for (lane, crossings) in self.crossings.iter().enumerate() {
+                if !group.is_path(lane) {
+                    continue;
+                }
                 let count = crossings.count(section);
                 self.statistics.see(group.number(lane), &Seen::Crossings { section, count });
             }

@@ -10,12 +10,15 @@ impl Provenance {
         let (mut parameters, mut varying) = (Vec::new(), Vec::new());
         for index in 0.. {
             let Some((name, own)) = job.systems.common.parameter(index) else { break };
-            let value = |system: &H| system.parameter(index).map_or(f64::NAN, |(_, value)| value);
-            let first = job.systems.own.first().map_or(own, value);
-            if job.systems.own.iter().all(|system| value(system).to_bits() == first.to_bits()) {
+            let mut values = Vec::new();
+            for system in &job.systems.own {
+                values.push(system.parameter(index).map_or(f64::NAN, |(_, value)| value));
+            }
+            let first = values.first().copied().unwrap_or(own);
+            if are_all(&values, first) {
                 parameters.push((name.to_owned(), first));
             } else if job.observed.empty.paths.is_some() {
-                varying.push((name.to_owned(), job.systems.own.iter().map(value).collect()));
+                varying.push((name.to_owned(), values));
             }
         }
         Self {
@@ -32,4 +35,9 @@ impl Provenance {
             paths: job.paths,
         }
     }
+}
+
+/// Whether each of these numbers is the same, to the last bit.
+fn are_all(values: &[f64], first: f64) -> bool {
+    values.iter().all(|value| value.to_bits() == first.to_bits())
 }

@@ -10,6 +10,7 @@ use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
 use crate::trajectory::Error;
 use crate::trajectory::between::{BetweenNodes, StepPart};
+use crate::trajectory::following::subtract;
 use crate::trajectory::recorded::Recorder;
 use crate::trajectory::recording::Recording;
 use crate::trajectory::simulate::Partial;
@@ -83,7 +84,7 @@ fn follow<'j, H: Discretized<E>, E, T: StepPaths<'j, H, E, 2>>(
         if let Some(looks) = looks.as_mut().filter(|looks| looks.wants(node, recorder.next_inside())) {
             let mut later = group.increments_of(lane, node - 1).to_vec();
             group.look_inside(lane, node, &reached, &mut dense, &mut |dense, dw, is_last| {
-                later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
+                subtract(dw, &mut later);
                 looks.search(
                     dense,
                     &StepPart { step: node - 1, dw, later: &later, is_last, end: None },

@@ -126,21 +126,33 @@ pub(super) fn check<H: Discretized<E>, E>(
     path: u64,
     (degrees, t): (usize, f64),
 ) -> Result<(), ConfigError> {
-    let (q, p) = (state.q.components(), state.p.components());
+    check_numbers([state.q.components(), state.p.components()], state.t, path, (degrees, t))?;
+    match system.check(degrees) {
+        Ok(()) => Ok(()),
+        Err(cause) => Err(ConfigError::PathStart { path, cause }),
+    }
+}
+
+/// The same of the numbers alone.
+fn check_numbers(
+    [q, p]: [&[f64]; 2],
+    own: f64,
+    path: u64,
+    (degrees, t): (usize, f64),
+) -> Result<(), ConfigError> {
     let bad = |cause| Err(ConfigError::PathStart { path, cause });
     if let Some(&got) = [q.len(), p.len()].iter().find(|&&got| got != degrees) {
         return bad(StepFailure::Dimension { expected: degrees, got });
     }
-    if !q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite()) {
+    if !q.iter().chain(p).chain([&own]).all(|x| x.is_finite()) {
         return bad(StepFailure::NonFiniteInput);
     }
-    if state.t != t {
+    if own != t {
         return wrong(format!(
-            "path {path} starts at t = {}, path 0 at {t}: the paths of an ensemble have their nodes at the same times",
-            state.t
+            "path {path} starts at t = {own}, path 0 at {t}: the paths of an ensemble have their nodes at the same times"
         ));
     }
-    system.check(degrees).map_err(|cause| ConfigError::PathStart { path, cause })
+    Ok(())
 }
 
 /// Whether every path's system can be in the place of `system`.

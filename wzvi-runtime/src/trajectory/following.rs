@@ -161,6 +161,21 @@ struct NextEvent<V> {
     crossing: Option<FoundCrossing>,
 }
 
+/// The sign of a function before a time, in the direction of time, by its crossings; `None` if it has none.
+fn sign_before(found: &[FoundCrossing], function: usize, [sign, t]: [f64; 2]) -> Option<f64> {
+    let crossings = || found.iter().filter(|crossing| crossing.function == function);
+    let later = crossings().find(|crossing| sign * (crossing.t - t) >= 0.0);
+    match (later, crossings().next_back()) {
+        (Some(later), _) => Some(-later.direction.sign()),
+        (None, last) => last.map(|last| last.direction.sign()),
+    }
+}
+
+/// Takes `dw` from `later`.
+pub(crate) fn subtract(dw: &[f64], later: &mut [f64]) {
+    later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
+}
+
 impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     pub(crate) fn new(
         system: &'a H,
@@ -661,10 +676,12 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let mut after = before.clone();
         let outcome = (self.rules.0[number].action)(&mut after);
         after.t = before.t;
-        let (expected, lists) = (before.q.components().len(), [&after.q, &after.p]);
-        if let Some(got) = lists.map(|list| list.components().len()).into_iter().find(|&got| got != expected)
-        {
-            return Err(StepFailure::Dimension { expected, got });
+        let expected = before.q.components().len();
+        for list in [&after.q, &after.p] {
+            let got = list.components().len();
+            if got != expected {
+                return Err(StepFailure::Dimension { expected, got });
+            }
         }
         if zero_if_finite(after.q.components()) != 0.0 || zero_if_finite(after.p.components()) != 0.0 {
             return Err(StepFailure::NonFiniteInput);
@@ -690,7 +707,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             let before = state.clone();
             *state = self.act(number, before.clone())?;
             for (function, rule) in self.functions.iter().enumerate() {
-                let [before, after] = [&before, &*state].map(|state| (rule.value)(state));
+                let (before, after) = ((rule.value)(&before), (rule.value)(state));
                 if before != after {
                     self.watch.set_side(function, SignSide::at(after));
                 }
@@ -707,7 +724,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     fn set_sides(&mut self, event: Option<FoundCrossing>, states: [&State<H::Vector>; 2]) {
         for function in 0..self.functions.len() {
             let value = self.functions[function].value.clone();
-            let values = states.map(|state| value(state));
+            let values = [value(states[0]), value(states[1])];
             let side = match event {
                 Some(event) if event.function == function => {
                     self.side_behind(event.direction, &*value, states, values)
@@ -730,13 +747,8 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     /// The sign of a function at a time in the part of the step that was searched last, before a crossing at
     /// that time.
     fn sign_at(&self, function: usize, t: f64) -> f64 {
-        let crossings = || self.found.iter().filter(|crossing| crossing.function == function);
-        let later = crossings().find(|crossing| self.sign * (crossing.t - t) >= 0.0);
-        match (later, crossings().next_back()) {
-            (Some(later), _) => -later.direction.sign(),
-            (None, Some(last)) => last.direction.sign(),
-            (None, None) => self.sides[function].sign(),
-        }
+        let before = sign_before(&self.found, function, [self.sign, t]);
+        before.unwrap_or(self.sides[function].sign())
     }
 
     /// The side of a function on which a path goes on from its crossing, between these states with these
@@ -797,7 +809,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
         let (mut later, mut dense) = (dw.to_vec(), self.dense.clone());
         for (place, piece) in pieces.iter().take(number_of_pieces).enumerate() {
             let StepPiece { from, to, dw, is_whole } = piece;
-            later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
+            subtract(dw, &mut later);
             if *is_whole {
                 stepper.fill([from, to], dw, &mut dense);
             } else {

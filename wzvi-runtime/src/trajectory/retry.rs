@@ -493,12 +493,16 @@ fn take_parts<V, T, N: Noise>(
     for part in numbers {
         let (stepper, step) = path.step(part);
         let StepInfo { iterations, halvings: _, is_hard, is_doubtful } = take(stepper, step)?;
-        dw.iter_mut().zip(&*path.dw).for_each(|(sum, dw)| *sum += dw);
+        add(path.dw, dw);
         taken.iterations = taken.iterations.saturating_add(iterations);
         taken.is_hard |= is_hard;
         taken.is_doubtful |= is_doubtful;
     }
     Ok(taken)
+}
+
+fn add(dw: &[f64], sum: &mut [f64]) {
+    sum.iter_mut().zip(dw).for_each(|(sum, dw)| *sum += dw);
 }
 
 /// The numbers of the `2^level` parts of a step among those of all steps; `None` if they cannot be counted.

@@ -124,6 +124,12 @@ struct LaneSearch {
     is_lost: bool,
 }
 
+/// The most iterations of a lane, if all are done.
+fn iterations_of(lanes: &[LaneSearch]) -> Option<u32> {
+    let are_done = lanes.iter().all(|search| search.is_done);
+    are_done.then(|| lanes.iter().map(|search| search.convergence.iterations).max().unwrap_or(0))
+}
+
 /// The iteration from `x` on, where a lane needs a pivot or the residuals. A call by value, and the last
 /// thing that the caller does: nothing in its loop must leave its register.
 #[cold]
@@ -154,7 +160,10 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
         }
         let (moved, largest) = corrected_end(&x, &correction);
         let before = S::Mask::of_lanes(|lane| lanes[lane].is_done);
-        for lane in (0..S::LANES).filter(|&lane| !before.lane(lane)) {
+        for lane in 0..S::LANES {
+            if before.lane(lane) {
+                continue;
+            }
             let relatives =
                 || std::array::from_fn(|i| relative_to(correction[i].lane(lane), moved[i].lane(lane)));
             let beyond_rounding = || beyond::<N>(equations.rounded(&x, lane), relatives());
@@ -172,10 +181,12 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
             x[i] = S::select(before | lost, x[i], moved[i]);
         }
         level = S::select(before | lost, level, uprightness::<S, N, SYMMETRIC>(&jacobian));
-        if lanes.iter().all(|search| search.is_done) {
-            let iterations = lanes.iter().map(|search| search.convergence.iterations).max().unwrap_or(0);
+        if let Some(iterations) = iterations_of(lanes) {
             let effort = accepted::<S, N, SYMMETRIC>(&mut x, level, iterations)?;
-            return Ok((x.map(|x| S::select(lost, poison(), x)), effort));
+            for x in &mut x {
+                *x = S::select(lost, poison(), *x);
+            }
+            return Ok((x, effort));
         }
     }
 }

@@ -146,7 +146,7 @@ where
         let Self { job, inner, size, subdivision, halved, motions, dw } = self;
         let mut state = inner.state_at(lane, job.grid.time(number)).clone();
         let motion = motions.so_far.get(lane).and_then(|motion| motion.mean());
-        let mut noise = (!dw.is_empty()).then(|| job.source.path(path));
+        let mut noise = if dw.is_empty() { None } else { Some(job.source.path(path)) };
         let interval = Interval { step: number, ..job.grid.first() };
         let of_lane = StepToTake { state: &mut state, interval, noise: &mut noise.as_deref_mut(), dw };
         let info = subdivision_of(subdivision, job, path, *size)?.subdivide(of_lane, 1, motion)?;
@@ -183,7 +183,7 @@ where
         let halvings = self.halvings_of(lane, number);
         let Self { job, inner, size, subdivision, dw, .. } = self;
         if halvings > 0 {
-            let mut noise = (!dw.is_empty()).then(|| job.source.path(path));
+            let mut noise = if dw.is_empty() { None } else { Some(job.source.path(path)) };
             let interval = Interval { step: number, ..job.grid.first() };
             let mut parts = 1_u64 << halvings;
             let subdivision = subdivision_of(subdivision, job, path, *size)?;

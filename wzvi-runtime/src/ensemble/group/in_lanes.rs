@@ -152,8 +152,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
         }
         let dw = paths.increments.of_mut(number);
         for x in self.q.iter_mut().chain(&mut self.p).chain(dw) {
-            let old = x.to_array();
-            *x = Lanes::new(lanes.map(|lane| old[lane]));
+            *x = moved(*x, lanes);
         }
         Ok(true)
     }
@@ -195,7 +194,9 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
         let lists = [(&mut q, &*self.q), (&mut p, &*self.p), (&mut dw, paths.increments.of(number))];
         for (single, all) in lists {
             single.clear();
-            single.extend(all.iter().map(|x| Lanes::new([x[lane]])));
+            for x in all {
+                single.push(Lanes::new([x[lane]]));
+            }
         }
         let (system, prepared) = self.system_of(lane, paths.lanes.source(lane));
         let gathered = if const { P::ARE_OWN } { SchemeOf::<H, E>::gather([&prepared]) } else { None };
@@ -266,7 +267,9 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> InLanes<'j, 'a, H
     fn keep_starts(&mut self, t: f64) {
         let mut starts = std::mem::take(&mut self.guides.starts);
         starts.clear();
-        starts.extend((0..L).map(|lane| self.state_at(lane, t).clone()));
+        for lane in 0..L {
+            starts.push(self.state_at(lane, t).clone());
+        }
         self.guides.starts = starts;
     }
 
@@ -401,6 +404,11 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> StepPaths<'j, H, E, L
         }
         &mut self.seen
     }
+}
+
+/// In each lane the number of the lane that is given for it.
+fn moved<const L: usize>(x: Lanes<L>, lanes: [usize; L]) -> Lanes<L> {
+    Lanes::new(lanes.map(|lane| x[lane]))
 }
 
 /// The error of a step, if it is one.

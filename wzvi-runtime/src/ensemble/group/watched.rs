@@ -128,7 +128,11 @@ where
     }
 
     fn find_next(&mut self, lanes: &LanePaths<L>) {
-        let monitors = self.monitors.iter().enumerate().filter(|(lane, _)| lanes.goes_on(*lane));
-        self.next = monitors.map(|(_, monitor)| monitor.next_tested()).min().unwrap_or(u64::MAX);
+        self.next = u64::MAX;
+        for (lane, monitor) in self.monitors.iter().enumerate() {
+            if lanes.goes_on(lane) {
+                self.next = self.next.min(monitor.next_tested());
+            }
+        }
     }
 }

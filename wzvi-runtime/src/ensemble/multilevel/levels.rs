@@ -134,7 +134,7 @@ where
         let mut keeper = CheckpointKeeper::default();
         if keeping.is_set() {
             let RunLimits { target, weak_order, finest, most_paths, most_constant } = limits;
-            let settings = [
+            let settings = vec![
                 ("the target", format!("{target:?}")),
                 ("the weak order", format!("{weak_order:?}")),
                 ("the finest level", finest.to_string()),

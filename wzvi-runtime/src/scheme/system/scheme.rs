@@ -119,8 +119,11 @@ pub fn varied<H: Hamiltonian, K: Constant>(system: &H, lift: LiftParameter<'_, K
     if size_of::<K>() == size_of::<f64>() {
         return Vec::new();
     }
-    let known = (0..).map_while(|index| system.parameter(index)).enumerate();
-    known.map(|(index, (_, value))| lift(index, value)).collect()
+    let mut all = Vec::new();
+    while let Some((_, value)) = system.parameter(all.len()) {
+        all.push(lift(all.len(), value));
+    }
+    all
 }
 
 /// [`varied`] for steps that read entries of lists as `f64`.

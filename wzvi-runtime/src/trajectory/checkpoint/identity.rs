@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 use crate::algebra::state::{State, Vector};
 use crate::ground::checksum::Checksum;
 use crate::ground::names::short_name;
-use crate::scheme::system::{Discretized, Gradient, Hamiltonian, PreparedOf};
+use crate::scheme::system::{Discretized, Hamiltonian, PreparedOf};
 use crate::trajectory::checkpoint::Difference;
 use crate::trajectory::recording::Recording;
 use crate::trajectory::retry::Retry;
@@ -41,12 +41,16 @@ pub(crate) fn sections<V>(sections: &Sections<'_, V>, start: &State<V>) -> Field
 /// The fields that identify a step: the version of wzvi, the system, the scheme, their sizes and the step
 /// size.
 pub(super) fn scheme<H: Hamiltonian, E>(system: &H, degrees: usize, h: f64) -> Fields {
+    scheme_of([short_name::<H>(), short_name::<E>()], [degrees, system.noises()], h)
+}
+
+fn scheme_of([system, scheme]: [String; 2], [degrees, noises]: [usize; 2], h: f64) -> Fields {
     let fields = [
         ("the version of wzvi", env!("CARGO_PKG_VERSION").to_owned()),
-        ("the system", short_name::<H>()),
-        ("the scheme", short_name::<E>()),
+        ("the system", system),
+        ("the scheme", scheme),
         ("the number of degrees of freedom", degrees.to_string()),
-        ("the number of noises", system.noises().to_string()),
+        ("the number of noises", noises.to_string()),
         ("the step size", format!("{h:?}")),
     ];
     fields.map(|(name, value)| (name.to_owned(), value)).into()
@@ -54,8 +58,12 @@ pub(super) fn scheme<H: Hamiltonian, E>(system: &H, degrees: usize, h: f64) -> F
 
 /// The parameters that the system names.
 pub(super) fn parameters<H: Hamiltonian>(system: &H) -> Fields {
-    let known = (0..MOST_PARAMETERS).map_while(|index| system.parameter(index));
-    known.map(|(name, value)| (format!("the parameter {name}"), format!("{value:?}"))).collect()
+    let mut fields = Fields::new();
+    for index in 0..MOST_PARAMETERS {
+        let Some((name, value)) = system.parameter(index) else { break };
+        fields.push((format!("the parameter {name}"), format!("{value:?}")));
+    }
+    fields
 }
 
 /// Parameters that a file names; the others show in the checksums.
@@ -90,25 +98,39 @@ pub(super) fn forces_at(place: &str) -> String {
 /// its own: it tells parameters apart that matter there.
 pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> String {
     let mut checksum = Checksum::default();
-    let mut add = |number: &f64| checksum.add(&number.to_bits().to_le_bytes());
     let (q, p) = (state.q.components(), state.p.components());
-    add(&system.evaluate(0, q, p, state.t));
+    add_numbers(&mut checksum, &[system.evaluate(0, q, p, state.t)]);
     let mut gradient = system.energy_gradient(state);
-    let mut add_all = |Gradient { q, p }: &Gradient<H::Vector>| {
-        [q, p].into_iter().flat_map(Vector::components).for_each(&mut add)
-    };
-    add_all(&gradient);
+    add_numbers(&mut checksum, gradient.q.components());
+    add_numbers(&mut checksum, gradient.p.components());
     if system.noises() > 0 {
-        let weights: Vec<f64> = (0..system.noises()).map(|k| 1.0 + 1.0 / (2.0 + k as f64)).collect();
-        system.differentiate_noises(&weights, state, &mut gradient);
-        add_all(&gradient);
+        system.differentiate_noises(&weights(system.noises()), state, &mut gradient);
+        add_numbers(&mut checksum, gradient.q.components());
+        add_numbers(&mut checksum, gradient.p.components());
     }
     let force = gradient.q.components_mut();
     system.force(q, p, state.t, force);
-    if force.iter().any(|force| *force != 0.0) || H::KIND.is_conformal {
-        force.iter().chain([&system.friction_rate()]).for_each(&mut add);
+    if has_any(force) || H::KIND.is_conformal {
+        add_numbers(&mut checksum, force);
+        add_numbers(&mut checksum, &[system.friction_rate()]);
     }
     format!("{checksum:?}")
+}
+
+// Loops over numbers alone, which are compiled once for all systems.
+
+fn add_numbers(checksum: &mut Checksum, numbers: &[f64]) {
+    numbers.iter().for_each(|number| checksum.add(&number.to_bits().to_le_bytes()));
+}
+
+/// A weight for each noise.
+fn weights(noises: usize) -> Vec<f64> {
+    (0..noises).map(|k| 1.0 + 1.0 / (2.0 + k as f64)).collect()
+}
+
+/// Whether a number is not zero.
+fn has_any(force: &[f64]) -> bool {
+    force.iter().any(|force| *force != 0.0)
 }
 
 /// The checksum of several words.

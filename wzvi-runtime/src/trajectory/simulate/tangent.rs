@@ -261,13 +261,18 @@ where
 
     /// The largest derivative of a column.
     pub(crate) fn size(&self, column: usize) -> f64 {
-        self.q.iter().chain(&self.p).map(|number| number.derivative[column].abs()).fold(0.0, f64::max)
+        size_of_column([&self.q, &self.p], column)
     }
 
     /// The column with the largest derivatives.
     fn largest(&self) -> usize {
-        (0..N)
-            .fold(0, |largest, column| if self.size(column) > self.size(largest) { column } else { largest })
+        let mut largest = 0;
+        for column in 1..N {
+            if self.size(column) > self.size(largest) {
+                largest = column;
+            }
+        }
+        largest
     }
 
     /// Divides columns by powers of two, so that the next step cannot leave the range of numbers. Only where
@@ -322,7 +327,7 @@ where
     ) -> Result<(), StepFailure> {
         let Self { prepared, h, by_size, q, p, exponents: _, memory } = self;
         for (numbers, values) in [(&mut *q, &before.q), (&mut *p, &before.p)] {
-            numbers.iter_mut().zip(values.components()).for_each(|(number, value)| number.value = *value);
+            set_values(numbers, values.components());
         }
         // So many step sizes from the start.
         let t = *by_size * step as f64 + before.t;
@@ -395,10 +400,25 @@ impl<H: Discretized<E>, E> TangentColumns<H, E, f64, COLUMNS> {
             return self.vary_sharing(shared, system, past, dw, end);
         }
         shared.is_linear = true;
-        let mut zero = Dual::<COLUMNS>::default();
-        self.q.iter().chain(&self.p).for_each(|number| zero = zero + number.infinitesimal() * 0.0);
-        if zero == Dual::default() { Ok(()) } else { Err(StepFailure::NonFinite) }
+        if are_finite([&self.q, &self.p]) { Ok(()) } else { Err(StepFailure::NonFinite) }
     }
+}
+
+// Loops over numbers alone, which are compiled once for all systems.
+
+fn size_of_column<const N: usize>([q, p]: [&[Dual<N>]; 2], column: usize) -> f64 {
+    q.iter().chain(p).map(|number| number.derivative[column].abs()).fold(0.0, f64::max)
+}
+
+fn set_values<const N: usize>(numbers: &mut [Dual<N>], values: &[f64]) {
+    numbers.iter_mut().zip(values).for_each(|(number, value)| number.value = *value);
+}
+
+/// Whether all derivatives are.
+fn are_finite<const N: usize>([q, p]: [&[Dual<N>]; 2]) -> bool {
+    let mut zero = Dual::<N>::default();
+    q.iter().chain(p).for_each(|number| zero = zero + number.infinitesimal() * 0.0);
+    zero == Dual::default()
 }
 
 /// Columns of a matrix, by row `(q, p)`.
@@ -421,9 +441,15 @@ fn matrix<H: Discretized<E>, E, K: Constant>(
 /// [`ConfigError::Setting`] for a name that does not exist, for an integer, and for a name that does not name
 /// all of what the number is.
 fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, ConfigError> {
-    let (known, integers): (Vec<&str>, _) =
-        ((0..).map_while(|index| system.parameter(index)).map(|(name, _)| name).collect(), system.integers());
-    let reals = || (0..).zip(&known).filter(|(number, _)| !integers.contains(number)).map(|(_, name)| *name);
+    let mut known = Vec::new();
+    while let Some((name, _)) = system.parameter(known.len()) {
+        known.push(name);
+    }
+    numbers_among(&known, system.integers(), names)
+}
+
+fn numbers_among(known: &[&str], integers: &[usize], names: &[&str]) -> Result<Vec<usize>, ConfigError> {
+    let reals = || (0..).zip(known).filter(|(number, _)| !integers.contains(number)).map(|(_, name)| *name);
     let find = |name: &&str| {
         let number = known.iter().position(|other| other == name);
         let twin =
@@ -455,6 +481,15 @@ fn are_alike(a: &str, b: &str) -> bool {
     a == b || list(a).is_some() && list(a) == list(b) && (is_open(a) || is_open(b))
 }
 
+/// The variables of columns from `first` on, at these places.
+fn units(places: Range<usize>, first: usize) -> Vec<ParameterDual> {
+    places.map(|i| ParameterDual::variable(0.0, i.wrapping_sub(first))).collect()
+}
+
+fn quoted(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| format!("`{name}`")).collect()
+}
+
 impl<'a, H: Discretized<E>, E> TangentRun<'a, H, E> {
     fn new(
         system: &'a H,
@@ -463,32 +498,30 @@ impl<'a, H: Discretized<E>, E> TangentRun<'a, H, E> {
         parameters: Option<&[&str]>,
     ) -> Result<Self, ConfigError> {
         let degrees = start.q.components().len();
-        let of_start = |first: usize| {
-            let unit = |i: usize| ParameterDual::variable(0.0, i.wrapping_sub(first));
-            let lists = [0, degrees].map(|offset| (offset..offset + degrees).map(unit).collect());
-            TangentColumns::new(system, &as_they_are, h, lists)
+        let numbers = match parameters {
+            Some(names) => Some(numbers(system, names)?),
+            None => None,
         };
-        let numbers = parameters.map(|names| numbers(system, names)).transpose()?;
-        let of_constants = |first: usize, numbers: &[usize]| {
-            let h = ParameterDual::variable(h, numbers.len() - first);
-            let lists = [0, 1].map(|_| vec![ParameterDual::from_f64(0.0); degrees]);
-            TangentColumns::new(system, &lifted(numbers, first), h, lists)
-        };
-        let by_constants = match &numbers {
-            None => Vec::new(),
-            Some(numbers) => {
-                let firsts = (0..=numbers.len()).step_by(COLUMNS);
-                firsts.map(|first| of_constants(first, numbers)).collect::<Result<_, ConfigError>>()?
+        let (mut by_start, mut by_constants) = (Vec::new(), Vec::new());
+        for first in (0..2 * degrees).step_by(COLUMNS) {
+            let lists = [units(0..degrees, first), units(degrees..2 * degrees, first)];
+            by_start.push(TangentColumns::new(system, &as_they_are, h, lists)?);
+        }
+        if let Some(numbers) = &numbers {
+            for first in (0..=numbers.len()).step_by(COLUMNS) {
+                let h = ParameterDual::variable(h, numbers.len() - first);
+                let zeros = || vec![ParameterDual::from_f64(0.0); degrees];
+                let lists = [zeros(), zeros()];
+                by_constants.push(TangentColumns::new(system, &lifted(numbers, first), h, lists)?);
             }
-        };
-        let firsts = (0..2 * degrees).step_by(COLUMNS);
+        }
         Ok(Self {
             system,
             h,
-            by_start: firsts.map(of_start).collect::<Result<_, ConfigError>>()?,
+            by_start,
             by_constants,
             shared: SharedStep::new(2 * degrees + parameters.map_or(0, |names| names.len() + 1)),
-            names: parameters.unwrap_or_default().iter().map(|&name| format!("`{name}`")).collect(),
+            names: quoted(parameters.unwrap_or_default()),
             numbers: numbers.unwrap_or_default(),
             dw: Vec::new(),
             before: start.clone(),
@@ -509,7 +542,7 @@ impl<'a, H: Discretized<E>, E> TangentRun<'a, H, E> {
     ) -> Result<(), Error> {
         let Self { system, by_start, by_constants, shared, dw: own, before, end, .. } = self;
         own.clear();
-        own.extend(dw.iter().map(|dw| Dual::constant(*dw)));
+        own.extend(dw.iter().copied().map(Dual::constant));
         shared.begin();
         let past = Past { step, ends: [before, after], dw, memory };
         let mut failed = None;
