@@ -112,7 +112,7 @@ def test_statistics(kubo):
 
 
 def test_observables_sections_frames(kubo):
-    pandas, polars = pytest.importorskip("pandas"), pytest.importorskip("polars")
+    pandas = pytest.importorskip("pandas")
     path = kubo.simulate(until=20.0, seed=1, observe=["radius"], sections=["+q"], **RUN)
     assert np.abs(path["observed.radius"] - 1).max() < 1e-13
     assert np.abs(path["crossings.q"]).max() < 1e-12 and (path["crossings.direction"] == 1).all()
@@ -120,9 +120,15 @@ def test_observables_sections_frames(kubo):
     names = ["t", "q", "p", "energy", "action", "radius"]
     frame = path.to_pandas()
     assert isinstance(frame, pandas.DataFrame) and list(frame.columns) == names and len(frame) == 1001
-    frame = path.to_polars()
-    assert isinstance(frame, polars.DataFrame) and frame.columns == names and frame.height == 1001
     assert path.steps == 1000 and "q" in dir(path) and "energy" in path and len(path.keys()) > 5
+
+
+def test_frames_of_polars(kubo):
+    polars = pytest.importorskip("polars")
+    path = kubo.simulate(until=20.0, seed=1, observe=["radius"], **RUN)
+    frame = path.to_polars()
+    assert isinstance(frame, polars.DataFrame) and frame.columns == ["t", "q", "p", "energy", "action", "radius"]
+    assert frame.height == 1001 and (frame["q"].to_numpy() == path.q[:, 0]).all()
 
 
 def test_the_end_at_an_event(system):
@@ -347,3 +353,10 @@ def test_a_call_takes_100_us(kubo):
         times.append((time.perf_counter() - began) / 100)
     # The best of many, since others may be at work beside.
     assert min(times) < 100e-6, min(times)
+
+
+def test_antithetic_pairs_have_the_exact_mean_of_odd_observables(kubo):
+    """The step is a rotation by an angle that is odd in the noise but for its mean: q is odd in the noise where a = 0."""
+    still = kubo.replace(a=0.0)
+    many = still.ensemble(until=1.0, paths=100, seed=3, antithetic=True, observe=["q", "p"], **RUN)
+    assert abs(many.mean[-1, 0]) < 1e-15 and many.error[-1, 0] < 1e-15 and many.error[-1, 1] > 1e-3

@@ -184,7 +184,8 @@ class Statistics(Result):
         quantiles [n, m, l] with levels [l]; histogram.<name> [n, bins] with edges.<name> [bins + 1];
         passage.<name> [7]: passed, censored, lost, mean, standard error, rate, error of the rate; passage_times.<name>;
         paths [paths, n, m] with `keep_paths`; crossings.*; failures [f, 3].
-    `error` is the standard error of the mean, and `error_bound` is by Student's law: both in the units of the observable.
+    `error` is the standard error of the mean. `error_bound` is an upper estimate of it, as if the largest deviation that was
+    seen had occurred ten more times. Both have the units of the observable.
     """
 
     t: Array

@@ -301,7 +301,8 @@ class Bound:
                 depend on `h`), "wong-zakai" (its average over `width`).
             path: the number of the path of an ensemble with this seed; 0 by default.
             width: of "wong-zakai", a time.
-            truncation: normals beyond so many standard deviations are cut off.
+            truncation: the `k` of the bound `max(6, √(2 k |ln h|))` on increments, in standard deviations, 1 or more; 0 for none.
+                By default 4 for implicit steps with noise that could reach a pole, and none for others.
             increments: the increments of the Wiener processes in place of a noise: a row for each step, in √time.
             record_every: record every n-th node; 1 by default, 0 for start and end alone.
             record_at: record at these times, between nodes from the dense output.
@@ -374,7 +375,7 @@ class Bound:
             antithetic: pairs of paths with opposite noises.
             record_every: statistics at every n-th node; by default at the end alone.
             record_at: statistics at these times.
-            observe: quantities; by default coordinates and momenta.
+            observe: quantities; by default coordinates, momenta, the energy, and those that the system declares.
             observe_work: observe work, shadow work and heat of each path, energies.
             observe_temperatures: observe the kinetic temperature, an energy.
             covariances: of all pairs of quantities.
@@ -384,7 +385,7 @@ class Bound:
             keep_crossings: keep the first n crossings of each path with their states.
             passages: quantities whose first zero is a passage.
             keep_paths: keep the recorded quantities of each path; True for up to 1 GB, or a number of bytes.
-            until_error: begin no more paths once the standard error of each of these quantities is below its number.
+            until_error: begin no more paths once the error bound of each of these quantities is below its number.
             allow_losses: the fraction of paths that may fail.
             retry, unwatched: as for `simulate`.
             threads: by default all cores.
