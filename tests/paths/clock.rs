@@ -170,7 +170,7 @@ fn noise_is_that_of_the_times() {
         run.noise(Wiener::seed(7)).run().unwrap()
     };
     let w = Wiener::seed(7).value(0, 5.0).unwrap();
-    let fine = run(2e-4);
+    let fine = run(4e-4);
     let mut before = f64::INFINITY;
     for eps in [0.1, 0.02, 0.004] {
         let path = run(eps);

@@ -193,14 +193,14 @@ fn steps_and_boxes_are_not_refused() {
     for (left, right) in [(0.0, 0.3), (0.2, 0.2), (5.0, 0.0), (0.0, -40.0)] {
         let system = Step { left, right };
         assert_eq!(watch::<Verlet, _>(&system), EnergyWatch::Undecided);
-        assert_eq!(outcome!(&system, Verlet, 0.1, State::new([1.0], [0.0]), 5000), None, "{left} {right}");
-        assert_eq!(outcome!(&system, Midpoint, 0.7, State::new([1.0], [0.0]), 5000), None, "{left} {right}");
-        let composed = outcome!(&system, Composed<Verlet, Yoshida4>, 0.3, State::new([1.0], [0.0]), 5000);
+        assert_eq!(outcome!(&system, Verlet, 0.1, State::new([1.0], [0.0]), 2000), None, "{left} {right}");
+        assert_eq!(outcome!(&system, Midpoint, 0.7, State::new([1.0], [0.0]), 2000), None, "{left} {right}");
+        let composed = outcome!(&system, Composed<Verlet, Yoshida4>, 0.3, State::new([1.0], [0.0]), 2000);
         assert_eq!(composed, None, "{left} {right}");
     }
     let start = State::new([1.0, 0.5], [0.0, 0.3]);
     assert_eq!(watch::<Verlet, _>(&Refracting { a: 0.5 }), EnergyWatch::Discontinuous);
-    assert_eq!(outcome!(&Refracting { a: 0.5 }, Verlet, 0.02, start, 20_000), None);
+    assert_eq!(outcome!(&Refracting { a: 0.5 }, Verlet, 0.02, start, 10_000), None);
     assert_eq!(watch::<Verlet, _>(&Disc), EnergyWatch::Discontinuous);
-    assert_eq!(outcome!(&Disc, Verlet, 0.02, State::new([0.0, 0.1], [1.0, 0.3]), 20_000), None);
+    assert_eq!(outcome!(&Disc, Verlet, 0.02, State::new([0.0, 0.1], [1.0, 0.3]), 10_000), None);
 }
