@@ -232,8 +232,8 @@ impl<'a, H: Discretized<E> + Sync, E, N, P> Ensemble<'a, H, E, N, P> {
     }
 }
 
-/// Whether each system goes in lanes with the first one, in steps of every size of the run. One that cannot be
-/// prepared is an error of its path.
+/// Whether each system goes in lanes with the first one, in steps of every size of the run. A system that
+/// cannot be prepared is an error of its path.
 fn go_in_lanes<H: Discretized<E>, E>(systems: &[H], grid: &NodeGrid) -> bool {
     for (_, size) in grid.from(0) {
         let mut first = None;
@@ -251,7 +251,7 @@ fn go_in_lanes<H: Discretized<E>, E>(systems: &[H], grid: &NodeGrid) -> bool {
     true
 }
 
-/// What of the first of these properties that is there is called.
+/// The name of the first of these properties that is there.
 fn first_of<'w>(properties: &[(bool, &'w str)]) -> Option<&'w str> {
     properties.iter().find_map(|(is_there, what)| is_there.then_some(*what))
 }

@@ -196,7 +196,8 @@ where
     }
 }
 
-/// The work of a path as it is observed: work, shadow work and heat, the heats by degree of freedom, the weight.
+/// Writes the work of a path as it is observed: work, shadow work and heat, the heats by degree of freedom,
+/// the weight.
 fn write_work(all: [f64; 3], by_degree: &[f64], weight: Option<f64>, into: &mut [f64]) {
     // Before the first step there is no heat.
     into.fill(0.0);

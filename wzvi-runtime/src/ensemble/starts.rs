@@ -133,7 +133,7 @@ pub(super) fn check<H: Discretized<E>, E>(
     }
 }
 
-/// The same of the numbers alone.
+/// Checks the numbers of the state.
 fn check_numbers(
     [q, p]: [&[f64]; 2],
     own: f64,
