@@ -160,14 +160,13 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
         }
         let (moved, largest) = corrected_end(&x, &correction);
         let before = S::Mask::of_lanes(|lane| lanes[lane].is_done);
-        for lane in 0..S::LANES {
+        for (lane, search) in lanes.iter_mut().enumerate() {
             if before.lane(lane) {
                 continue;
             }
             let relatives =
                 || std::array::from_fn(|i| relative_to(correction[i].lane(lane), moved[i].lane(lane)));
             let beyond_rounding = || beyond::<N>(equations.rounded(&x, lane), relatives());
-            let search = &mut lanes[lane];
             let verdict = search.convergence.judge(largest.lane(lane), beyond_rounding);
             search.is_done = !matches!(verdict, Verdict::Contracting);
             search.is_lost = matches!(verdict, Verdict::Straying);
