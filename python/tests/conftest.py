@@ -10,14 +10,16 @@ KUBO = dict(
     drift="|q, p| 0.5 * a * (q * q + p * p)",
     noise="|q, p| 0.5 * sigma * (q * q + p * p)",
     embedding="Midpoint",
-    invariant={"action": "|q, p| q * q + p * p"},
+    invariant={"action": "|q, p| 0.5 * (q * q + p * p)"},
     parameters={"a": float, "sigma": float},
     observe={"radius": "|q, p| (q * q + p * p).sqrt()"},
     name="Kubo",
-    doc="An oscillator of random frequency.",
-    docs={"a": "The mean frequency.", "sigma": "The noise of the frequency."},
+    doc="Kubo's oscillator: a rotation whose angle diffuses.",
+    docs={"a": "Mean angular frequency.", "sigma": "Intensity of the noise."},
     want=("path", "ensemble", "sweep", "chaos"),
 )
+#: The same for paths alone, which compiles fastest.
+SMALL = dict(KUBO, want=("path",))
 RUN = dict(h=0.02, q=0.0, p=1.0)
 
 
@@ -35,8 +37,16 @@ def cache(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def compiled(cache):
+    """A system that this package compiled."""
+    return wzvi.compile(**SMALL)
+
+
+@pytest.fixture(scope="session")
 def system(cache):
-    return wzvi.compile(**KUBO)
+    """The system for runs: from the library of the example `systems` of wzvi-c, if WZVI_SYSTEMS names it."""
+    library = os.environ.get("WZVI_SYSTEMS")
+    return wzvi.load(library).Kubo if library else wzvi.compile(**KUBO)
 
 
 @pytest.fixture(scope="session")

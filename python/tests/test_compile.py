@@ -6,7 +6,7 @@ import sys
 import time
 
 import pytest
-from conftest import KUBO, RUN
+from conftest import RUN, SMALL
 
 import wzvi
 
@@ -46,9 +46,9 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("keys", "place"), WRONG)
-def test_mistakes_have_their_place(system, keys, place):
+def test_mistakes_have_their_place(compiled, keys, place):
     with pytest.raises(wzvi.CompileError) as caught:
-        wzvi.compile(**{"embedding": "Midpoint", "want": KUBO["want"], **keys})
+        wzvi.compile(**{"embedding": "Midpoint", "want": SMALL["want"], **keys})
     messages = caught.value.messages
     assert messages[0][1:5] == place
     # No message without a place beside one that has one.
@@ -57,21 +57,21 @@ def test_mistakes_have_their_place(system, keys, place):
     assert text.count("\n  --> ") >= text.count("\n\n") + 1 and "Exported" not in text and "wzvi_system" not in text
 
 
-def test_mistakes_name_the_term_of_sympy(system):
+def test_mistakes_name_the_term_of_sympy(compiled):
     sympy = pytest.importorskip("sympy")
     x, p, k = sympy.symbols("x p k")
     with pytest.raises(wzvi.CompileError) as caught:
-        wzvi.compile(p**2 / 2 + k * x + x**4, q=x, p=p, parameters={"k": "Vec<f64>"}, embedding="Midpoint", want=KUBO["want"])
+        wzvi.compile(p**2 / 2 + k * x + x**4, q=x, p=p, parameters={"k": "Vec<f64>"}, embedding="Midpoint", want=SMALL["want"])
     (message,) = caught.value.messages
     assert message.term == "k*x" and message.argument == "drift" and "the term `k*x`" in str(caught.value)
 
 
-def test_a_mistake_takes_half_a_second(system):
+def test_a_mistake_takes_half_a_second(compiled):
     times = []
     for number in range(3):
         began = time.monotonic()
         with pytest.raises(wzvi.CompileError):
-            wzvi.compile(f"{HALF} + {number}.0 * b", embedding="Midpoint", want=KUBO["want"])
+            wzvi.compile(f"{HALF} + {number}.0 * b", embedding="Midpoint", want=SMALL["want"])
         times.append(time.monotonic() - began)
     # 0.25 s on idle cores; others may be at work beside.
     assert min(times) < 1.0
@@ -82,16 +82,20 @@ def python(text, **more):
     return subprocess.Popen([sys.executable, "-c", text], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**environment, **more})
 
 
-def test_without_rust_a_compiled_system_is_there(system):
-    program = python("import wzvi, conftest; print(wzvi.compile(**conftest.KUBO).library.path)", PATH="", CARGO_HOME="/nowhere")
+def test_the_second_compile_is_at_once(compiled):
+    assert wzvi.compile(**SMALL) is compiled
+
+
+def test_without_rust_a_compiled_system_is_there(compiled):
+    program = python("import wzvi, conftest; print(wzvi.compile(**conftest.SMALL).library.path)", PATH="", CARGO_HOME="/nowhere")
     out, err = program.communicate()
-    assert out.strip() == system.library.path, err
+    assert out.strip() == compiled.library.path, err
 
 
-def test_systems_of_pickles_are_compiled_again_where_they_are_gone(system, tmp_path):
+def test_systems_of_pickles_are_compiled_again_where_they_are_gone(compiled, tmp_path):
     import pickle
 
-    (tmp_path / "system").write_bytes(pickle.dumps(system))
+    (tmp_path / "system").write_bytes(pickle.dumps(compiled))
     # Another cache without cargo: the library is missing there, and the sentence says what it would need.
     program = python(
         f"import pickle, os, wzvi; os.path.exists = lambda path: False; pickle.load(open({str(tmp_path / 'system')!r}, 'rb'))",
@@ -102,7 +106,7 @@ def test_systems_of_pickles_are_compiled_again_where_they_are_gone(system, tmp_p
 
 
 @pytest.mark.slow
-def test_processes_that_compile_the_same_at_once(system):
+def test_processes_that_compile_the_same_at_once(compiled):
     text = "import wzvi; k = wzvi.compile('|q, p| 0.5 * p * p - 1.1 * q.cos()', embedding='Verlet', want='path'); print(k.library.path)"
     both = [python(text) for _ in range(2)]
     said = [each.communicate() for each in both]
@@ -111,7 +115,7 @@ def test_processes_that_compile_the_same_at_once(system):
 
 
 @pytest.mark.slow
-def test_a_process_that_is_killed_leaves_a_cache_that_works(system):
+def test_a_process_that_is_killed_leaves_a_cache_that_works(compiled):
     text = "import wzvi; k = wzvi.compile('|q, p| 0.5 * p * p - 1.2 * q.cos()', embedding='Verlet', want='path'); print(k.library.path)"
     for pause in (0.3, 1.0):
         first = python(text)
@@ -124,7 +128,7 @@ def test_a_process_that_is_killed_leaves_a_cache_that_works(system):
 
 
 @pytest.mark.slow
-def test_ctrl_c_in_compile(system):
+def test_ctrl_c_in_compile(compiled):
     import signal
     import threading
 
@@ -138,11 +142,11 @@ def test_ctrl_c_in_compile(system):
     with pytest.raises(KeyboardInterrupt):
         wzvi.compile("|[x, y], [px, py]| 0.5 * (px * px + py * py) + 0.25 * (x * x * y).cos()", embedding=["Verlet", "Midpoint", "Gauss<4>"])
     assert time.monotonic() - began[0] < 0.5
-    assert system(a=1.0, sigma=0.0).simulate(until=1.0, seed=1, **RUN).steps == 50
+    assert compiled(a=1.0, sigma=0.0).simulate(until=1.0, seed=1, **RUN).steps == 50
 
 
 @pytest.mark.slow
-def test_systems_of_all_kinds(system):
+def test_systems_of_all_kinds(compiled):
     sympy = pytest.importorskip("sympy")
     import numpy as np
 
