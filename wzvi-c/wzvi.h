@@ -17,16 +17,16 @@
  * names is one text with a line for each.
  *   all          scheme, parameter.<field>, q, p, t, h (with a clock eps in its place), until or steps,
  *                whole_steps, project_start, threads, unwatched, and of noise: noise ("steps", "wiener",
- *                "wong-zakai"), seed, path, width (of "wong-zakai"), truncation (0 for none), increments (a row
- *                for each step)
- *   path         record_every, record_at, observe, sections, end_at, retry, multipliers
+ *                "wong-zakai"), seed, width (of "wong-zakai"), truncation (0 for none), increments (a row for
+ *                each step)
+ *   path         path (of the noise), record_every, record_at, observe, sections, end_at, retry, multipliers
  *   ensemble     record_every, record_at, observe, sections, retry, paths, sweep, quantiles, covariances,
  *                histograms with ranges, passages, keep_paths, keep_crossings, until_error with errors,
  *                allow_losses, antithetic, observe_work, observe_temperatures
- *   indicators   record_every, deviations
- *   lyapunov     record_every, deviations, copies, exponents
+ *   indicators   path, record_every, deviations
+ *   lyapunov     path, record_every, deviations, copies, exponents
  *   map          paths, deviations, allow_losses
- *   tangent      by
+ *   tangent      path, by
  * A section is "+x" where x rises through zero, "-x" where it falls, "x" for both.
  * The page "From Python" of the guide has the meaning, the units and the results of each.
  *

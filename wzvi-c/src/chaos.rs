@@ -14,16 +14,16 @@ use crate::results::Results;
 use crate::settings::Settings;
 
 /// Settings of indicators along a path beside the common ones.
-pub const INDICATORS: &[&str] = &["record_every", "deviations"];
+pub const INDICATORS: &[&str] = &["path", "record_every", "deviations"];
 
 /// Settings of Lyapunov exponents beside the common ones.
-pub const LYAPUNOV: &[&str] = &["record_every", "deviations", "copies", "exponents"];
+pub const LYAPUNOV: &[&str] = &["path", "record_every", "deviations", "copies", "exponents"];
 
 /// Settings of a map of indicators beside the common ones.
 pub const MAP: &[&str] = &["paths", "deviations", "allow_losses"];
 
 /// Settings of derivatives beside the common ones.
-pub const TANGENT: &[&str] = &["by"];
+pub const TANGENT: &[&str] = &["path", "by"];
 
 /// A run with its deviations. Copies have a use for exponents alone.
 fn deviations<'a, H, E>(

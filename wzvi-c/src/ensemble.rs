@@ -11,7 +11,7 @@ use crate::error::TaskError;
 use crate::library::Outcome;
 use crate::noise::NamedNoise;
 use crate::path::{common, step_size};
-use crate::quantities::{quantity, section, sign, starts};
+use crate::quantities::{section, sign, starts, value_of};
 use crate::results::Results;
 use crate::settings::{RealArray, Row, Settings};
 
@@ -89,7 +89,7 @@ where
     };
     let (mut run, degrees) = begin::<H, E>(settings, &system, handle)?;
     for name in settings.lines("observe")? {
-        run = run.observe_quantity(name, quantity(&system, degrees, name)?);
+        run = run.observe_quantity(name, Quantity::named(&system, degrees, name)?);
     }
     for name in settings.lines("sections")? {
         let section = section(&system, degrees, name)?;
@@ -100,7 +100,8 @@ where
         };
     }
     for name in settings.lines("passages")? {
-        run = run.first_passage(name, crossed(&system, quantity(&system, degrees, name)?, sweep, name)?);
+        run =
+            run.first_passage(name, crossed(&system, Quantity::named(&system, degrees, name)?, sweep, name)?);
     }
     run = run.covariances(settings.flag("covariances")?);
     let levels = settings.reals("quantiles")?.map_or_else(Vec::new, |levels| levels.values);
@@ -111,7 +112,7 @@ where
         let [lower, upper, bins] = range[..] else { continue };
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked to be a count")]
         match bins {
-            count if count >= 1.0 && count <= 1e9 && count.fract() == 0.0 => {
+            count if (1.0..=1e9).contains(&count) && count.fract() == 0.0 => {
                 run = run.histogram(name, lower, upper, count as usize);
             }
             _ => {
@@ -184,7 +185,7 @@ fn crossed<'a, H: Exported + Sync>(
             "a section of a sweep is on a coordinate, a momentum or the time, which `{name}` is not: run an ensemble for each system"
         )));
     }
-    Ok(move |state: &State<H::Vector>| quantity.value(system, state))
+    Ok(value_of(system, quantity))
 }
 
 /// Names, one in a line of a text, each with a row of numbers of so many columns.
@@ -206,6 +207,9 @@ fn named_rows<'s>(
     Ok(lines.into_iter().zip(rows.chunks_exact(columns).map(<[f64]>::to_vec)).collect())
 }
 
+/// A number of an observable at a recorded time.
+type OfObservable = fn(&StatisticsNode, usize) -> f64;
+
 /// The arrays of the statistics.
 fn arrays(
     statistics: &Statistics,
@@ -219,7 +223,7 @@ fn arrays(
     results.add_list("t", nodes.iter().map(StatisticsNode::time));
     results.add_list("count", nodes.iter().map(|node| node.count() as f64));
     results.add_list("lost", nodes.iter().map(|node| node.lost() as f64));
-    let moments: [(&str, fn(&StatisticsNode, usize) -> f64); 4] = [
+    let moments: [(&str, OfObservable); 4] = [
         ("mean", StatisticsNode::mean),
         ("error", StatisticsNode::standard_error),
         ("error_bound", StatisticsNode::error_bound),

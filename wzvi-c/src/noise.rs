@@ -16,7 +16,7 @@ pub enum NamedNoise {
     /// `wiener`
     Wiener(Wiener),
     /// `wong-zakai`
-    WongZakai(WongZakai),
+    WongZakai(Box<WongZakai>),
     /// Increments that are given.
     Given(Increments),
     /// None, of a system that needs none.
@@ -184,7 +184,7 @@ impl NamedNoise {
                 let width =
                     width.ok_or_else(|| TaskError::setting("the noise `wong-zakai` needs its `width`"))?;
                 let noise = WongZakai::averaged(width).seed(seed).path(path);
-                Self::WongZakai(truncated!(noise, truncation))
+                Self::WongZakai(Box::new(truncated!(noise, truncation)))
             }
             other => {
                 return Err(TaskError::setting(format!(

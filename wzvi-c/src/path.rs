@@ -5,19 +5,19 @@ use wzvi::exported::Exported;
 use wzvi::handle::Handle;
 use wzvi::simulate::Simulation;
 use wzvi::state::{State, Vector};
-use wzvi::system::{Discretized, Hamiltonian, Quantity};
+use wzvi::system::{Discretized, Quantity};
 use wzvi::trajectory::Trajectory;
 
 use crate::error::TaskError;
 use crate::library::Outcome;
 use crate::noise::NamedNoise;
-use crate::quantities::{quantity, section, sign, starts, variable_names};
+use crate::quantities::{section, sign, starts, value_of, variable_names};
 use crate::results::Results;
 use crate::settings::Settings;
 
 /// Settings of a path beside the common ones.
 pub const SETTINGS: &[&str] =
-    &["record_every", "record_at", "observe", "sections", "end_at", "retry", "multipliers"];
+    &["path", "record_every", "record_at", "observe", "sections", "end_at", "retry", "multipliers"];
 
 /// The settings that builders of paths and of ensembles have in common.
 macro_rules! common {
@@ -115,7 +115,7 @@ where
     let (mut run, degrees) = begin::<H, E>(settings, &system, handle)?;
     let observed = settings.lines("observe")?;
     for name in &observed {
-        run = run.observe_quantity(*name, quantity(&system, degrees, name)?);
+        run = run.observe_quantity(*name, Quantity::named(&system, degrees, name)?);
     }
     for name in settings.lines("sections")? {
         let section = section(&system, degrees, name)?;
@@ -136,14 +136,6 @@ where
     let (path, error) = run.run_partial()?;
     let results = arrays(&path, &system, &observed, settings)?;
     Ok(Outcome { results, error: error.map(TaskError::from) })
-}
-
-/// The value of a quantity, as a function of the state.
-fn value_of<H: Hamiltonian + Sync>(
-    system: &H,
-    quantity: Quantity,
-) -> impl Fn(&State<H::Vector>) -> f64 + Send + Sync + use<'_, H> {
-    move |state| quantity.value(system, state)
 }
 
 /// The arrays of a path.

@@ -66,12 +66,12 @@ fn vector<V: Vector>(name: &str, path: usize, numbers: &[f64]) -> Result<V, Task
     Ok(vector)
 }
 
-/// A quantity of a system by its name.
-///
-/// # Errors
-/// [`UnknownName`] with the names that there are.
-pub fn quantity<H: Hamiltonian>(system: &H, degrees: usize, name: &str) -> Result<Quantity, UnknownName> {
-    Quantity::named(system, degrees, name)
+/// The value of a quantity, as a function of the state.
+pub fn value_of<H: Hamiltonian + Sync>(
+    system: &H,
+    quantity: Quantity,
+) -> impl Fn(&State<H::Vector>) -> f64 + Send + Sync + use<'_, H> {
+    move |state| quantity.value(system, state)
 }
 
 /// The names of the time, the coordinates and the momenta, as the closure of the drift has them.
@@ -100,7 +100,7 @@ pub fn section<H: Hamiltonian>(system: &H, degrees: usize, name: &str) -> Result
         (_, Some(rest)) => (Some(Direction::Falling), rest),
         _ => (None, name),
     };
-    Ok(Section { quantity: quantity(system, degrees, name.trim())?, direction })
+    Ok(Section { quantity: Quantity::named(system, degrees, name.trim())?, direction })
 }
 
 /// A direction as a number: 1 for rising, -1 for falling.

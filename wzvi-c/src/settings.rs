@@ -25,7 +25,6 @@ pub const COMMON: &[&str] = &[
     "unwatched",
     "noise",
     "seed",
-    "path",
     "width",
     "truncation",
     "increments",

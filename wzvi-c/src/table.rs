@@ -32,6 +32,15 @@ pub const PARTIAL: i32 = 1;
 /// Nothing was done, and there is an error.
 pub const FAILED: i32 = 2;
 
+/// Writes name, numbers and shape of an array, and returns the number of its axes.
+pub type ReadArray = extern "C" fn(
+    Option<&Task>,
+    usize,
+    Option<&mut MaybeUninit<*const c_char>>,
+    Option<&mut MaybeUninit<*const f64>>,
+    Option<&mut [MaybeUninit<usize>; AXES]>,
+) -> usize;
+
 /// The table of functions. Later versions append.
 #[repr(C)]
 pub struct Table {
@@ -67,13 +76,7 @@ pub struct Table {
     /// The number of arrays.
     pub results: extern "C" fn(Option<&Task>) -> usize,
     /// Name, numbers and shape of an array; returns the number of its axes.
-    pub result: extern "C" fn(
-        Option<&Task>,
-        usize,
-        Option<&mut MaybeUninit<*const c_char>>,
-        Option<&mut MaybeUninit<*const f64>>,
-        Option<&mut [MaybeUninit<usize>; AXES]>,
-    ) -> usize,
+    pub result: ReadArray,
     /// The names of the observables of an ensemble, one in a line; of other kinds those of time, coordinates
     /// and momenta.
     pub columns: extern "C" fn(Option<&Task>) -> *const c_char,

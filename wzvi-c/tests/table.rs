@@ -344,6 +344,8 @@ fn errors_say_what_there_is() {
     assert!(text.contains("`untill`") && text.contains("`until`") && text.contains("`sigma`"), "{text}");
     let (_, text) = of(kubo("path").real("until", 1.0));
     assert!(text.contains("set a `seed`"), "{text}");
+    let (_, text) = of(kubo("ensemble").real("until", 1.0).integer("seed", 1).integer("path", 2));
+    assert!(text.contains("no setting `path` of `ensemble`"), "{text}");
     let (_, text) = of(kubo("path").real("until", 1.0).integer("seed", -1));
     assert!(text.contains("`seed` is -1"), "{text}");
     let (code, text) = of(kubo("path").real("until", 1.0).integer("seed", 1).text("observe", "z"));

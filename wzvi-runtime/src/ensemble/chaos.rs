@@ -143,7 +143,7 @@ where
         }
         for path in 0..paths {
             let start = start_of(path)?;
-            check(system, &start, path, (degrees, first.t))?;
+            check(system, &start, path, degrees, first.t)?;
             let start = projected(system, start, span.is_projected);
             all.push(start.map_err(|cause| ConfigError::PathStart { path, cause })?);
         }

@@ -255,7 +255,7 @@ impl<'a, H: Discretized<E>, E> EnsembleJob<'a, H, E> {
             Some(own) => own.of(DrawPurpose::Start, *seed, path).ok_or(ConfigError::Missing(STARTS))?,
         };
         let system = self.systems.of(path);
-        starts::check(system, &start, path, (self.degrees(), first.t))?;
+        starts::check(system, &start, path, self.degrees(), first.t)?;
         let projected = projected(system, start, *is_projected);
         projected.map_err(|cause| ConfigError::PathStart { path, cause })
     }

@@ -124,21 +124,30 @@ pub(super) fn check<H: Discretized<E>, E>(
     system: &H,
     state: &State<H::Vector>,
     path: u64,
-    (degrees, t): (usize, f64),
+    degrees: usize,
+    t: f64,
 ) -> Result<(), ConfigError> {
-    check_numbers([state.q.components(), state.p.components()], state.t, path, (degrees, t))?;
+    let numbers = StartNumbers { q: state.q.components(), p: state.p.components(), t: state.t };
+    check_numbers(&numbers, path, degrees, t)?;
     match system.check(degrees) {
         Ok(()) => Ok(()),
         Err(cause) => Err(ConfigError::PathStart { path, cause }),
     }
 }
 
-/// Checks the numbers of the state.
+/// The numbers of a start.
+struct StartNumbers<'s> {
+    q: &'s [f64],
+    p: &'s [f64],
+    t: f64,
+}
+
+/// Checks the numbers of the start of a path, for so many degrees of freedom and the time `t` of path 0.
 fn check_numbers(
-    [q, p]: [&[f64]; 2],
-    own: f64,
+    &StartNumbers { q, p, t: own }: &StartNumbers<'_>,
     path: u64,
-    (degrees, t): (usize, f64),
+    degrees: usize,
+    t: f64,
 ) -> Result<(), ConfigError> {
     let bad = |cause| Err(ConfigError::PathStart { path, cause });
     if let Some(&got) = [q.len(), p.len()].iter().find(|&&got| got != degrees) {

@@ -161,8 +161,9 @@ struct NextEvent<V> {
     crossing: Option<FoundCrossing>,
 }
 
-/// The sign of a function before a time, in the direction of time, by its crossings; `None` if it has none.
-fn sign_before(found: &[FoundCrossing], function: usize, [sign, t]: [f64; 2]) -> Option<f64> {
+/// The sign of a function before a time, in the direction `sign` of time, by its crossings; `None` if it has
+/// none.
+fn sign_before(found: &[FoundCrossing], function: usize, sign: f64, t: f64) -> Option<f64> {
     let crossings = || found.iter().filter(|crossing| crossing.function == function);
     let later = crossings().find(|crossing| sign * (crossing.t - t) >= 0.0);
     match (later, crossings().next_back()) {
@@ -747,7 +748,7 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
     /// The sign of a function at a time in the part of the step that was searched last, before a crossing at
     /// that time.
     fn sign_at(&self, function: usize, t: f64) -> f64 {
-        let before = sign_before(&self.found, function, [self.sign, t]);
+        let before = sign_before(&self.found, function, self.sign, t);
         before.unwrap_or(self.sides[function].sign())
     }
 
