@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use wzvi::embedding::{Composed, KahanLi8};
 use wzvi::error::ConfigError;
-use wzvi::exported::{Exported, Field, Given, GivenFields, GivenNumbers};
+use wzvi::exported::{Exported, FieldDescription, Given, GivenFields, GivenNumbers};
 use wzvi::prelude::*;
 
 /// A pendulum of length `length`.
