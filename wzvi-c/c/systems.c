@@ -1,4 +1,4 @@
-/* Runs the systems of examples/systems.rs. `bits` prints every number that the Rust program examples/bits.rs
+/* Runs the systems of the example `systems`. `bits` prints every number that the Rust program examples/bits.rs
  * prints, as hexadecimal words; without it, a path of Kubo's oscillator and the mean of an ensemble.
  *
  *     cc -std=c11 -Wall -Wextra -Werror -I.. systems.c -o systems -L$LIBRARY -lsystems -lm */

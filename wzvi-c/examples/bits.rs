@@ -1,4 +1,4 @@
-//! Prints the numbers of paths and ensembles of `systems.rs` as hexadecimal words. The C program and the Python
+//! Prints the numbers of paths and ensembles of the example `systems` as hexadecimal words. The C program and the Python
 //! package print the same ones.
 
 #![forbid(unsafe_code)]
@@ -7,11 +7,10 @@ use wzvi::prelude::*;
 use wzvi::state::Vector;
 use wzvi::trajectory::Trajectory;
 
-#[path = "systems.rs"]
-#[allow(unreachable_pub, reason = "a library of its own, too")]
-mod systems;
+#[path = "systems/definitions.rs"]
+mod definitions;
 
-use systems::{Kubo, Network, Pendulum};
+use definitions::{Kubo, Network, Pendulum};
 
 fn main() -> Result<(), wzvi::Error> {
     let kubo = Kubo { a: 1.5, sigma: 1.0 };

@@ -7,11 +7,11 @@ use std::time::Instant;
 
 use wzvi::prelude::*;
 
-#[path = "systems.rs"]
-#[allow(unreachable_pub, dead_code, reason = "a library of its own, too")]
-mod systems;
+#[path = "systems/definitions.rs"]
+#[allow(dead_code, reason = "it has more systems")]
+mod definitions;
 
-use systems::Kubo;
+use definitions::Kubo;
 
 fn main() -> Result<(), wzvi::Error> {
     let threads = std::env::args().nth(1).and_then(|threads| threads.parse().ok()).unwrap_or(1);

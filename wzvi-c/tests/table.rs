@@ -14,11 +14,12 @@ use wzvi::exported::{Exported, Given, GivenNumbers};
 use wzvi::prelude::*;
 use wzvi_c::table::{AXES, DONE, FAILED, PARTIAL, Table, Task};
 
-#[path = "../examples/systems.rs"]
-#[allow(unreachable_pub, reason = "a library of its own, too")]
-mod systems;
+#[path = "../examples/systems/definitions.rs"]
+mod definitions;
 
-use systems::{Kubo, Network, Pendulum, wzvi_table};
+use definitions::{Kubo, Network, Pendulum};
+
+wzvi_c::export!(Kubo, Pendulum, Network);
 
 /// A task that is given back at its end.
 struct Owned(Option<Box<Task>>);

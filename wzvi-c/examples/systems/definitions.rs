@@ -1,7 +1,4 @@
-//! A library of three systems, which the C program and the tests of the Python package load: straight-line
-//! steps with noise, Newton's method and a clock, and loops over a table of indices.
-
-#![forbid(unsafe_code)]
+//! Straight-line steps with noise, Newton's method and a clock, and loops over a table of indices.
 
 use wzvi::prelude::*;
 
@@ -15,11 +12,11 @@ use wzvi::prelude::*;
     export = [],
 )]
 #[derive(Clone, Debug)]
-pub struct Kubo {
+pub(crate) struct Kubo {
     /// Mean angular frequency.
-    pub a: f64,
+    pub(crate) a: f64,
     /// Intensity of the noise.
-    pub sigma: f64,
+    pub(crate) sigma: f64,
 }
 
 /// A pendulum of length 1 and mass 1.
@@ -30,9 +27,9 @@ pub struct Kubo {
     export = [Composed<Verlet, KahanLi8>],
 )]
 #[derive(Clone, Debug)]
-pub struct Pendulum {
+pub(crate) struct Pendulum {
     /// Acceleration of gravity.
-    pub g: f64,
+    pub(crate) g: f64,
 }
 
 /// Masses 1, and springs between the sites of a table.
@@ -45,11 +42,9 @@ pub struct Pendulum {
     export = [],
 )]
 #[derive(Clone, Debug)]
-pub struct Network {
+pub(crate) struct Network {
     /// Stiffness.
-    pub k: f64,
+    pub(crate) k: f64,
     /// Ends of each spring.
-    pub springs: Vec<[usize; 2]>,
+    pub(crate) springs: Vec<[usize; 2]>,
 }
-
-wzvi_c::export!(Kubo, Pendulum, Network);
