@@ -72,7 +72,8 @@ whole, path = seconds(lambda: kubo.simulate(steps=2_000_000, seed=1, **RUN), 1, 
 bare, _ = seconds(lambda: kubo.simulate(steps=2_000_000, record_every=0, seed=1, **RUN), 1, 3)
 row("a step of a path, recorded; not recorded", f"{whole / 2e6 * 1e9:.0f} ns; {bare / 2e6 * 1e9:.0f} ns")
 
-build = ["cargo", "build", "--release", "--quiet", "-p", "wzvi-c", "--example", "timed"]
+# With the features of `.ci/door`, so that both share one build.
+build = ["cargo", "build", "--release", "--quiet", "--workspace", "--features", "wzvi-laws/short", "--example", "timed"]
 subprocess.run(build, check=True, cwd=Path(__file__).parents[2])
 program = Path(__file__).parents[2] / "target" / "release" / "examples" / "timed"
 for threads in (1, 2):
