@@ -1,6 +1,7 @@
 """One library for all tests that need one."""
 
 import os
+import signal
 
 import pytest
 
@@ -21,6 +22,13 @@ KUBO = dict(
 #: The same for paths alone, which compiles fastest.
 SMALL = dict(KUBO, want=("path",))
 RUN = dict(h=0.02, q=0.0, p=1.0)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def interrupts():
+    """Ctrl-C is heard, also where a shell began the tests in the background, which makes it deaf to it."""
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)
