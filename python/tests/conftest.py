@@ -22,6 +22,8 @@ KUBO = dict(
 #: The same for paths alone, which compiles fastest.
 SMALL = dict(KUBO, want=("path",))
 RUN = dict(h=0.02, q=0.0, p=1.0)
+#: How soon Ctrl-C has to end a run, in seconds: half a second on idle cores, more beside compilers.
+SOON = 0.5 if "WZVI_IDLE" in os.environ else 2.0
 
 
 @pytest.fixture(scope="session", autouse=True)
