@@ -138,10 +138,7 @@ where
     ];
     lists.into_iter().for_each(|(name, list)| results.add_list(name, list));
     results.add_number("time", map.time);
-    let failures = &map.failures;
-    let rows =
-        failures.iter().flat_map(|failure| [failure.path as f64, failure.error.step as f64, failure.error.t]);
-    results.add("failures", rows.collect(), &[failures.len(), 3]);
+    crate::ensemble::add_failures(&mut results, &map.failures);
     Ok(Outcome { results, error: map.is_partial.then(TaskError::stopped) })
 }
 

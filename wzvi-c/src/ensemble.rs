@@ -1,7 +1,7 @@
 //! Many paths, for their statistics.
 
 use wzvi::Error;
-use wzvi::ensemble::{Ensemble, Passage, Passages, Statistics, StatisticsNode, Systems};
+use wzvi::ensemble::{Ensemble, Passage, Passages, PathFailure, Statistics, StatisticsNode, Systems};
 use wzvi::exported::Exported;
 use wzvi::handle::Handle;
 use wzvi::state::{State, Vector};
@@ -51,18 +51,15 @@ pub fn begin<'a, H, E>(
 where
     H: Exported + Discretized<E> + Send + Sync,
 {
-    let mut starts = starts(settings, system)?;
+    let starts = starts(settings, system)?;
     let degrees = starts.first().map_or(0, |start| start.q.components().len());
     let noise = NamedNoise::of(settings, system.increments(degrees))?;
     let run = Ensemble::<H, E>::new(system, step_size::<H, E>(settings)?);
     let mut run = run.noise(noise).quiet().handle(handle);
     common!(run, settings);
-    run = match (starts.len(), starts.pop()) {
-        (1, Some(start)) => run.start(start),
-        (_, last) => {
-            starts.extend(last);
-            run.starts_from(starts)
-        }
+    run = match &starts[..] {
+        [start] => run.start(start.clone()),
+        _ => run.starts_from(starts),
     };
     if let Some(paths) = settings.natural("paths")? {
         run = run.paths(paths);
@@ -248,13 +245,15 @@ fn arrays(
         results.add("quantiles", values.collect(), &[rows, columns, levels.len()]);
         results.add_list("levels", levels.iter().copied());
     }
-    for (position, &column) in statistics.histogrammed().iter().enumerate() {
+    for (position, name) in
+        statistics.histogrammed().iter().filter_map(|&column| names.get(column)).enumerate()
+    {
         let histograms: Vec<_> = nodes.iter().filter_map(|node| node.histograms().get(position)).collect();
         let Some(first) = histograms.first() else { continue };
         let bins = first.counts().len();
         let counts = histograms.iter().flat_map(|histogram| histogram.counts()).map(|&count| count as f64);
-        results.add(format!("histogram.{}", names[column]), counts.collect(), &[histograms.len(), bins]);
-        results.add_list(format!("edges.{}", names[column]), (0..=bins).map(|bin| first.edge(bin)));
+        results.add(format!("histogram.{name}"), counts.collect(), &[histograms.len(), bins]);
+        results.add_list(format!("edges.{name}"), (0..=bins).map(|bin| first.edge(bin)));
     }
     statistics.passages().iter().for_each(|passages| add_passages(&mut results, passages));
     add_crossings(&mut results, statistics, degrees);
@@ -263,11 +262,14 @@ fn arrays(
         results.add("paths", all.flatten().copied().collect(), &[paths.count(), rows, columns]);
     }
     results.add_number("failed", statistics.failed() as f64);
-    let failures = statistics.failures();
-    let rows =
-        failures.iter().flat_map(|failure| [failure.path as f64, failure.error.step as f64, failure.error.t]);
-    results.add("failures", rows.collect(), &[failures.len(), 3]);
+    add_failures(&mut results, statistics.failures());
     Ok(results)
+}
+
+/// Path, step and time of each failure.
+pub(crate) fn add_failures(results: &mut Results, failures: &[PathFailure]) {
+    let row = |failure: &PathFailure| [failure.path as f64, failure.error.step as f64, failure.error.t];
+    results.add("failures", failures.iter().flat_map(row).collect(), &[failures.len(), 3]);
 }
 
 /// Passed, censored and lost paths, mean and standard error of the times, rate and its error; and the time of

@@ -87,29 +87,15 @@ impl Noise for NamedNoise {
 
 impl Paths for NamedNoise {
     fn set_path(&mut self, path: u64) {
-        match self {
-            Self::Steps(noise) => noise.set_path(path),
-            Self::Wiener(noise) => noise.set_path(path),
-            Self::WongZakai(noise) => noise.set_path(path),
-            Self::Given(noise) => noise.set_path(path),
-            Self::None(_) => {}
-        }
+        each!(self, noise => noise.set_path(path));
     }
 
     fn step_normals(&self) -> Option<StepNormals> {
-        match self {
-            Self::Steps(noise) => noise.step_normals(),
-            _ => None,
-        }
+        each!(self, noise => noise.step_normals())
     }
 
     fn seed_number(&self) -> Option<u64> {
-        match self {
-            Self::Steps(noise) => noise.seed_number(),
-            Self::Wiener(noise) => noise.seed_number(),
-            Self::WongZakai(noise) => noise.seed_number(),
-            Self::Given(_) | Self::None(_) => None,
-        }
+        each!(self, noise => noise.seed_number())
     }
 }
 

@@ -12,6 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 use wzvi::exported::{Exported, Given, GivenNumbers};
 use wzvi::prelude::*;
+use wzvi_c::chaos::{INDICATORS, LYAPUNOV, MAP, TANGENT};
+use wzvi_c::settings::COMMON;
 use wzvi_c::table::{AXES, DONE, FAILED, PARTIAL, Table, Task};
 
 #[path = "../examples/systems/definitions.rs"]
@@ -477,59 +479,11 @@ fn the_description_is_json_with_everything() {
 /// an error. Optimised builds try 10^5.
 #[test]
 fn no_setting_crashes() {
-    const NAMES: &[&str] = &[
-        "scheme",
-        "q",
-        "p",
-        "t",
-        "h",
-        "eps",
-        "until",
-        "steps",
-        "whole_steps",
-        "project_start",
-        "threads",
-        "noise",
-        "seed",
-        "path",
-        "width",
-        "truncation",
-        "increments",
-        "record_every",
-        "record_at",
-        "observe",
-        "sections",
-        "end_at",
-        "retry",
-        "unwatched",
-        "multipliers",
-        "paths",
-        "sweep",
-        "quantiles",
-        "covariances",
-        "histograms",
-        "ranges",
-        "passages",
-        "keep_paths",
-        "keep_crossings",
-        "until_error",
-        "errors",
-        "allow_losses",
-        "antithetic",
-        "observe_work",
-        "observe_temperatures",
-        "deviations",
-        "copies",
-        "exponents",
-        "by",
-        "parameter.a",
-        "parameter.sigma",
-        "parameter.k",
-        "parameter.springs",
-        "parameter.g",
-        "nonsense",
-        "",
-    ];
+    let lists =
+        [COMMON, wzvi_c::path::SETTINGS, wzvi_c::ensemble::SETTINGS, INDICATORS, LYAPUNOV, MAP, TANGENT];
+    let parameters =
+        ["parameter.a", "parameter.sigma", "parameter.k", "parameter.springs", "parameter.g", "nonsense", ""];
+    let names: Vec<&str> = lists.concat().into_iter().chain(parameters).collect();
     const TEXTS: &[&str] =
         &["", "q", "+q\n-p", "energy", "steps", "wiener", "wong-zakai", "Midpoint", "t", "\n\n", "ä"];
     const REALS: &[f64] =
@@ -558,7 +512,7 @@ fn no_setting_crashes() {
             }
         };
         for _ in 0..below(4) {
-            let name = NAMES[below(NAMES.len())];
+            let name = names[below(names.len())];
             let shape: Vec<usize> = (0..below(4)).map(|_| below(4)).collect();
             let count: usize = shape.iter().product();
             task = match below(5) {

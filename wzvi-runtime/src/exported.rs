@@ -40,7 +40,7 @@ pub struct FieldDescription {
     pub doc: &'static str,
 }
 
-/// GivenNumbers in the shape of an array, the last index fastest. A single number has no axes.
+/// Numbers in the shape of an array, the last index fastest. A single number has no axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Given<'g> {
     /// The numbers, as many as the product of the lengths.
@@ -74,7 +74,7 @@ pub trait FromGiven: Sized {
     /// The value with these numbers.
     ///
     /// # Errors
-    /// What was expected, in words.
+    /// A text that says what was expected.
     fn from_given(given: &Given<'_>) -> Result<Self, String>;
 }
 
@@ -113,7 +113,7 @@ impl<'g> Given<'g> {
         (index < length).then_some(Given { values, shape })
     }
 
-    /// In the words of a message.
+    /// The value in the words of a message.
     fn described(&self) -> String {
         match self.single() {
             Some(SingleNumber::Real(value)) => format!("{value:?}"),

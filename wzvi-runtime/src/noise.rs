@@ -71,6 +71,11 @@ impl<N: Paths + Clone + Send + Sync> Driver for N {
     }
 }
 
+/// No noise is the same for every member of an ensemble.
+impl Paths for crate::increments::NoNoise {
+    fn set_path(&mut self, _path: u64) {}
+}
+
 /// Numbers are one path: every member of an ensemble has it.
 impl Paths for Increments {
     fn set_path(&mut self, _path: u64) {}

@@ -32,8 +32,9 @@ pub(crate) fn emit(item: &syn::ItemStruct, declaration: &Declaration) -> Option<
     let list = schemes.iter().rev().fold(quote!(()), |rest, scheme| quote!((#scheme, #rest)));
     let (name, doc) = (item.ident.unraw().to_string(), documentation(&item.attrs));
     let closures = closures(declaration).into_iter().map(|(key, text)| quote!((#key, #text)));
+    let members = item.fields.members().zip(&item.fields);
     let fields: Vec<FieldOfSystem> =
-        item.fields.members().zip(&item.fields).map(FieldOfSystem::new).collect();
+        members.map(|(member, field)| FieldOfSystem::new(member, field)).collect();
     let described = fields.iter().map(|FieldOfSystem { conditions, name, ty, doc, .. }| {
         quote!(#(#conditions)* #exported::FieldDescription { name: #name, ty: #ty, doc: #doc })
     });
@@ -75,7 +76,7 @@ struct FieldOfSystem<'f> {
 }
 
 impl<'f> FieldOfSystem<'f> {
-    fn new((member, field): (Member, &'f syn::Field)) -> Self {
+    fn new(member: Member, field: &'f syn::Field) -> Self {
         let name = match &member {
             Member::Named(name) => name.unraw().to_string(),
             Member::Unnamed(number) => number.index.to_string(),

@@ -72,7 +72,7 @@ impl Stubs {
                     fn from_fields(
                         _: &dyn #wzvi::exported::GivenFields,
                     ) -> ::core::result::Result<Self, #wzvi::error::ConfigError> {
-                        ::core::unimplemented!()
+                        ::core::result::Result::Err(#wzvi::error::ConfigError::Parameter)
                     }
                 }
             }

@@ -708,7 +708,8 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             let before = state.clone();
             *state = self.act(number, before.clone())?;
             for (function, rule) in self.functions.iter().enumerate() {
-                let (before, after) = ((rule.value)(&before), (rule.value)(state));
+                let before = (rule.value)(&before);
+                let after = (rule.value)(state);
                 if before != after {
                     self.watch.set_side(function, SignSide::at(after));
                 }
@@ -731,10 +732,8 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
                     self.side_behind(event.direction, &*value, states, values)
                 }
                 _ if values[0] == values[1] => {
-                    let (sign, offset) = (
-                        self.sign_at(function, event.map_or(states[0].t, |event| event.t)),
-                        self.sides[function].offset(),
-                    );
+                    let sign = self.sign_at(function, event.map_or(states[0].t, |event| event.t));
+                    let offset = self.sides[function].offset();
                     // A crossing takes the offset with it.
                     let offset = if sign * offset > 0.0 { offset } else { 0.0 };
                     SignSide::on(sign, values[1] + offset).with_offset(offset)
@@ -775,7 +774,8 @@ impl<'a, H: Discretized<E>, E> Following<'a, H, E> {
             self.room.p.components_mut()[i] += ahead * (force.components()[i] - gradient.q.components()[i]);
         }
         let there = value(&self.room);
-        let (moved, is_changed) = (there - here, values[0] != values[1]);
+        let moved = there - here;
+        let is_changed = values[0] != values[1];
         let is_driven = self.system.increments(self.room.q.components().len()) > 0;
         if there.is_nan() || is_changed {
             return SignSide::at(if there.is_nan() { here } else { there });

@@ -123,7 +123,7 @@ impl<V: Vector> SectionWatch<V> {
         }
     }
 
-    /// The crossings of a step, function by function, each in the order of time, and what is added to the
+    /// The crossings of a step, function by function, each in the order of time, and the offset of the
     /// function there ([`SignSide::offset`]); the number of the function is that of the section.
     pub(crate) fn follow<'f, 'a: 'f>(
         &mut self,
@@ -213,7 +213,8 @@ impl<V: Vector> SectionSearch<'_, V> {
         found: &mut dyn FnMut(Direction, State<V>, f64),
     ) {
         let theta = |i: usize| i as f64 / parts as f64;
-        let (mut values, mut offsets) = ([0.0; MOST_PARTS + 1], [0.0; MOST_PARTS + 1]);
+        let mut values = [0.0; MOST_PARTS + 1];
+        let mut offsets = [0.0; MOST_PARTS + 1];
         values[0] = side.value;
         for i in 1..=parts {
             let value = if i < parts {
@@ -222,7 +223,8 @@ impl<V: Vector> SectionSearch<'_, V> {
             } else {
                 (self.value)(self.dense.end())
             };
-            (values[i], offsets[i]) = (side.shifted(value), side.offset());
+            values[i] = side.shifted(value);
+            offsets[i] = side.offset();
         }
         let values = &values[..=parts];
         for i in 0..parts {
